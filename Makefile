@@ -57,7 +57,14 @@ pictures: $(READY)
 	$(BIN)/python docs/make_pictures.py docs/pictures
 	$(BIN)/python docs/make_joint_pictures.py docs/pictures/joints
 	$(BIN)/python docs/make_page_pictures.py
+	$(BIN)/python docs/make_example_pictures.py
+	$(BIN)/python docs/make_demo_pictures.py
 	$(BIN)/python docs/make_notebooks.py
+
+# All films of the gallery on one sheet, to be looked at: out/contact.png. Names the films that show too little.
+.PHONY: contact
+contact: $(READY)
+	$(BIN)/python docs/make_contact_sheet.py out/contact.png
 
 # The lessons of docs/teaching as notebooks.
 notebooks: $(READY)
@@ -67,14 +74,24 @@ notebooks: $(READY)
 docs: $(READY)
 	$(BIN)/python -m sphinx -q -W --keep-going -b html docs out/docs
 
+# The same pages as one PDF with contents, map and index, printed by Chromium: out/book/mbsd3d.pdf.
+.PHONY: book
+book: $(READY)
+	$(BIN)/python docs/make_book.py out/book
+
 precision: $(READY)
 	$(BIN)/python -m validation.benchmark --part precision --out out/benchmark --pictures docs/pictures
 
 # Thousands of runs with known truth against what the certificate says of them; the table of docs/theory/certificate.md.
-# A thousand random mechanisms written in the formats of other programs and read back.
+# A thousand random mechanisms written in the formats of other programs and read back, a thousand models of MuJoCo, and a
+# thousand mechanisms with stops and freewheels against equations of their own. Two hundred fits, whose intervals must hold
+# the truth as often as they say.
 calibrate: warm
 	$(BIN)/python -m validation.calibration --out out/calibration --docs
+	MBSD3D_TEST_FITS=200 $(PYTEST) -m slow tests/sweeps/test_fit.py
 	MBSD3D_TEST_EXPORTED_MODELS=1000 $(PYTEST) $(SPREAD) -m slow tests/slow/test_exported_models.py
+	MBSD3D_TEST_RANDOM_MJCF=1000 $(PYTEST) $(SPREAD) tests/files/test_random_mjcf.py
+	MBSD3D_TEST_RANDOM_MACHINES=1000 $(PYTEST) $(SPREAD) -m slow tests/slow/test_random_machines.py
 
 # Every picture and table of README.md and docs/ from measurement, on an idle machine: ten minutes.
 figures: pictures precision

@@ -1,55 +1,19 @@
-"""Shared output of the studies: results as text, tables as CSV files, work with a progress bar, figures in the common
-style.
-"""
+"""Shared output of the studies: modes as CSV files, work with a progress bar, figures in the common style."""
 
-import csv
-import html
-import io
-from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from mbsd3d.extend import Progress, Theme, new_figure, style_axes, with_suffix, write_atomically
+from mbsd3d.extend import Progress, Theme, new_figure, style_axes, write_table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 T = TypeVar("T")
-REPR_LINES_MAX = 12  # [1] lines of a result in a console
-BOX_HEIGHT = "24em"  # of a result in a notebook: half a screen, the rest is scrolled
-
-
-class Result(ABC):
-    """Base of results: `str` says what was found, a console shows its first lines, a notebook a box to scroll."""
-
-    @abstractmethod
-    def __str__(self) -> str:
-        """Return what was found, line by line."""
-
-    def __repr__(self) -> str:
-        lines = str(self).splitlines()
-        if len(lines) > REPR_LINES_MAX:
-            kept = REPR_LINES_MAX - 1
-            lines[kept:] = [f"  ... {len(lines) - kept} more lines: print() shows all"]
-        return "\n".join(lines)
-
-    def _repr_html_(self) -> str:
-        """Return the text for a notebook."""
-        return f'<pre style="max-height:{BOX_HEIGHT};overflow:auto">{html.escape(str(self))}</pre>'
-
-
-def write_table(path: str | Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> Path:
-    """Write names with units, then rows of texts and numbers with all their digits; ".csv" is appended if missing."""
-    sheet = io.StringIO()
-    writer = csv.writer(sheet, lineterminator="\n")
-    writer.writerow(head)
-    writer.writerows([x if isinstance(x, str) else repr(float(x)) for x in row] for row in rows)
-    return write_atomically(with_suffix(path, ".csv"), sheet.getvalue().encode())
 
 
 def write_modes(path: str | Path, names: Sequence[str], speeds: np.ndarray, values: np.ndarray) -> Path:

@@ -1,5 +1,6 @@
 """Sphinx: `make docs` writes the pages to out/docs; nothing is fetched, and every warning is an error."""
 
+import sys
 import zlib
 from pathlib import Path
 
@@ -9,15 +10,20 @@ from latex2mathml.converter import convert
 from mbsd3d import __all__ as public
 from mbsd3d import __version__
 
+sys.path.insert(0, str(Path(__file__).parent))  # the extensions beside this file
+
 project, author, copyright = "mbsd3d", "The mbsd3d developers", "2026, the mbsd3d developers"
 version = release = __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.intersphinx", "numpydoc", "sphinx_copybutton"]
+extensions += ["made_pages", "finding"]
 exclude_patterns = ["notebooks"]
 html_theme = "furo"
 html_title = f"mbsd3d {release}"
 html_static_path, html_css_files, html_js_files = ["_static"], ["site.css"], ["search.js"]
 html_show_sourcelink = False
-html_theme_options = {"navigation_with_keys": True}
+if tags.has("book"):  # noqa: F821, what Sphinx gives this file; see make_book.py
+    html_theme, html_css_files, html_js_files = "basic", ["book.css"], []
+html_theme_options = {"navigation_with_keys": True} if html_theme == "furo" else {}
 pygments_style, pygments_dark_style = "friendly", "github-dark"
 
 myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]

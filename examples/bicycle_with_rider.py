@@ -39,3 +39,4 @@ print("loaded:", *stability.study(loaded).critical.stable)
 
 push = ride.run(loaded, 6.0, speed=5.0, lean_rate=0.2)
 print(f"a push at 5 m/s: {np.degrees(push.lean.max()):.2f} degrees of lean, after 6 s {np.degrees(push.lean[-1]):.2f}")
+figure = stability.study(loaded).figure()

@@ -44,3 +44,4 @@ for k in range(1000):
 solution = run.solution()
 print(f"after 5 s the angle is {abs(solution.angle(pin)[-1]):.1e} rad; the push reached {largest:.1f} N")
 print("certificate passed:", solution.certificate.passed)
+figure = solution.plot([("angle", pin), ("slide", rail)])

@@ -11,6 +11,7 @@ Prints::
 from dataclasses import replace
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from mbsd3d import GROUND, Body, Revolute, System, TorsionSpring, measures, simulate
 
@@ -45,3 +46,10 @@ energy = ENERGY / (1 - kept) * kept**0.25  # a quarter of a period after the pus
 theory = np.sqrt(2 * energy / (MASS * 9.81 * LENGTH))
 print(f"it swings by {np.degrees(swings[-1]):.3f} degrees, small swings in theory {np.degrees(theory):.3f}")
 print(f"a tick-tock takes {times[-1] - times[-2]:.6f} s, small swings without air {period:.6f} s")
+
+figure = Figure(figsize=(6.4, 3.6), layout="constrained")
+axes = figure.subplots()
+axes.plot(times, np.degrees(swings), ".-", label="swing")
+axes.axhline(np.degrees(theory), color="grey", label="theory")
+axes.set(xlabel="time [s]", ylabel="swing [deg]")
+axes.legend()

@@ -30,3 +30,4 @@ print(f"rope {pull:.2f} kN, drive {run.effort(drive).max() / 1e3:.2f} kN")
 momentum = run.momentum().linear[-1, 0]
 given = np.trapezoid(run.effort(drive), run.t)
 print(f"impulse of the drive {given:.1f} N s is the momentum left in the swing: {momentum:.1f} N s")
+figure = run.picture([0.0, 2.0, 3.5, 6.0], traces=[load])

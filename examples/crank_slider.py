@@ -50,3 +50,4 @@ rotating, reciprocating = ROD * (L - BIG_END) / L, PISTON + ROD * BIG_END / L
 shaking = rotating * R * W**2 * np.cos(a) - reciprocating * acceleration
 found = -turn.reaction("main bearing").force[:, 2]
 print(f"shaking force on the frame up to {abs(found).max():.1f} N; closed form {abs(shaking).max():.1f} N")
+figure = turn.plot("reaction", "main bearing", "small end", "bore", against=("angle", main), degrees=True)

@@ -2,7 +2,7 @@
 
 Prints::
 
-    counted -4 freedoms, there is 1; first cure: remove 'upper' (Revolute) (5 rows, all independent)
+    counted -4 degrees of freedom, there is 1; first remedy: remove 'upper' (Revolute) (5 rows, all independent)
     share of the upper hinge unique: False
     both together: [ -7.898  -4.315 196.2  ] N
     of equal stiffness: [-59.282 -32.386  98.1  ] N above, up to 100 N more for 10 um along the axis
@@ -17,7 +17,7 @@ upper = Revolute(GROUND, leaf, at=(0, 0, 0.7), axis=(0, 0, 1), name="upper")
 lower = Revolute(GROUND, leaf, at=(0, 0, -0.7), axis=(0, 0, 1), name="lower")
 door = System([leaf], [upper, lower])
 found = door.check()
-print(f"counted {found.gruebler} freedoms, there is {found.mobility}; first cure: {found.cures[0].text}")
+print(f"counted {found.gruebler} degrees of freedom, there is {found.mobility}; first remedy: {found.cures[0].text}")
 
 swing = simulate(door, 0.5)
 print("share of the upper hinge unique:", swing.reaction(upper).unique)
@@ -31,3 +31,4 @@ guiding = PointOnLine(GROUND, leaf, at=(0, 0, 0.7), axis=(0, 0, 1), name="upper"
 hung = simulate(System([leaf], [carrying, guiding]), 0.5)
 print("hung on one:", hung.reaction(guiding).force[0].round(3), "N above;", hung.reaction(carrying).unique)
 print(f"statics and spin: {-20 * 9.81 * 0.45 / 1.4 - 20 * 0.45 * 1.0**2 / 2:.3f} N above")
+figure = hung.picture(shown=["reaction force"])

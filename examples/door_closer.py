@@ -8,6 +8,7 @@ Prints::
 """
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from mbsd3d import GROUND, Body, EndStop, Revolute, System, TorsionSpring, inertia, measures, simulate
 
@@ -27,6 +28,8 @@ def close(damping):
     return simulate(door, 20.0, state=door.assemble(angles={hinge: OPEN}), stop_when=measures.angle(hinge) < 0.0)
 
 
+figure = Figure(figsize=(6.4, 3.6), layout="constrained")
+axes = figure.subplots()
 for damping in (4.0, 20.0, 40.0):
     run = close(damping)
     decay, root = damping / (2 * moment), np.sqrt(complex((damping / (2 * moment)) ** 2 - K / moment))
@@ -34,3 +37,6 @@ for damping in (4.0, 20.0, 40.0):
     rate = -(OPEN + PRELOAD) * K / moment * (np.exp(-decay * t) * np.sinh(root * t) / root).real
     found, exact = -WIDTH * run.rate(hinge)[-1], -WIDTH * rate
     print(f"{damping:.0f} N m s: shut after {t:.2f} s, its edge meets the frame at {found:.3f} m/s (exact {exact:.3f})")
+    axes.plot(run.t, np.degrees(run.angle(hinge)), label=f"{damping:.0f} N m s")
+axes.set(xlabel="time [s]", ylabel="opening [deg]")
+axes.legend()

@@ -32,3 +32,4 @@ camber = np.degrees(travel.measure(measures.camber(wheel, axle=(0, 1, 0))))
 toe = np.degrees(travel.measure(measures.heading(wheel)))
 for row in zip(height - 310, camber, toe, strict=True):
     print("travel {:7.2f} mm, camber {:6.3f}, toe {:6.3f} degrees".format(*row))
+figure = travel.picture([0.0, 1.0], hidden=["body names", "joint names"])

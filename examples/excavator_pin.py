@@ -73,3 +73,4 @@ steel = SNCurve(amplitude=60e6, cycles=2e6, slope=5)  # of the material, its sur
 life = pin.life(steel, strength=900e6)
 print(f"life {life.runs:.3g} cycles, worst at {np.degrees(life.worst):.0f} degrees")
 print(f"by the size of the force alone {1 / miner(rainflow(pin.bending), steel, strength=900e6):.3g} cycles")
+figure = run.plot("effort")

@@ -2,7 +2,7 @@
 
 Needs the extra fmu: pip install "mbsd3d[fmu]". Prints::
 
-    stand.fmu: valid, 3 inputs and parameters, 6 outputs
+    stand.fmu: valid, 3 inputs and parameters, 8 outputs
     after 3.0 s the pole is at 0.0062 rad, the cart at 0.1567 m
     from 1.0 s once more: the same numbers to the last digit
     certificate passed
@@ -65,3 +65,4 @@ fmu.freeFMUState(there)
 fmu.terminate()
 print("certificate", "passed" if fmu.getBoolean([place["certificate.passed"]])[0] else "failed")
 fmu.freeInstance()
+figure = stand.picture()

@@ -26,3 +26,4 @@ rings = [
 run = simulate(System([outer, inner, wheel], rings), 5.0)
 print(f"walk {run.angle('vertical')[-1] / 5.0:.5f} rad/s, in theory {walk:.5f} rad/s")
 print("inner ring sinks by less than 0.1 degrees:", bool(np.abs(np.degrees(run.angle("level"))).max() < 0.1))
+figure = run.picture()

@@ -35,3 +35,4 @@ for ratio in (8.0, 14.0, 20.0, 26.0):
     time_constant = (ROTOR + DRUM / ratio**2) * FREE / STALL  # at the motor shaft
     exact = -time_constant * np.log(1 - WANTED * ratio / FREE)
     print(f"ratio {ratio:2.0f}: {run.t[-1]:.4f} s (closed form {exact:.4f} s), motor at {run.rate(fast)[-1]:.1f} rad/s")
+figure = run.plot("rate", fast)

@@ -40,3 +40,4 @@ way = np.trapezoid(speed[:, None] * ahead, run.t, axis=0)
 print(
     f"distance by its wheels and place differ by less than 0.1 mm: {np.abs(way - run.position(robot)[-1]).max() < 1e-4}"
 )
+figure = run.picture([0.0, 2.0, 4.0, 6.5])

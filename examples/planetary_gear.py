@@ -34,3 +34,4 @@ run = simulate(gear, 0.2)
 ratio = 100.0 / run.rate("carrier shaft")[-1]
 print(f"ratio {ratio:.6f}, in theory {1 + RING / SUN:.6f}")
 print(f"motor {run.effort(motor)[-1]:.4f} N m, in theory {-LOAD / (1 + RING / SUN):.4f} N m")
+figure = run.picture()

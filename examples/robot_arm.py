@@ -44,3 +44,4 @@ for motor in motors:
 
 led_work, driven_work = path.work("tool")[-1], sum(driven.work(motor)[-1] for motor in motors)
 print(f"power at the tool and at the motors differ by less than 0.01 W: {abs(led_work - driven_work) / 2.0 < 0.01}")
+figure = driven.plot("effort")

@@ -42,3 +42,4 @@ for critical in (x.speed for x in across if x.whirl == "forward"):
     peak = near[once[near].argmax()]
     print(f"{once[peak]:.1f} m/s^2 at {seen.speeds[peak]:.1f} rad/s", end=", ")
 print(f"{once[-1]:.1f} m/s^2 at the end")
+figure = seen.plot()

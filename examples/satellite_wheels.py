@@ -31,3 +31,4 @@ print(f"turned by {np.degrees(turned[2]):.6f} degrees, at rest: {abs(run.omega('
 rpm, torque = np.abs(run.rate("z")).max() * 30 / np.pi, np.abs(run.effort(motor)).max()
 print(f"wheel up to {rpm:.1f} rpm, motor up to {torque:.4f} N m")
 print(f"angular momentum stays zero: {np.abs(run.momentum().angular).max() < 1e-12}")
+figure = run.plot([("rate", hinges[2]), ("effort", motor)])

@@ -51,3 +51,4 @@ gain = FOOT * HEAD * ARM**2 * np.sin(slope) / length  # m of cylinder a radian o
 virtual_work = (LOAD + ARM_MASS) * G * ARM * np.cos(slope) / gain
 print(f"virtual work: {virtual_work[0] / 1e3:.2f} kN and {virtual_work[-1] / 1e3:.2f} kN")
 print(f"loads at the start: foot hinge {run.reaction('foot hinge').force[0].round(0)} N")
+figure = run.picture([0.0, 120.0], hidden=["body names", "joint names"])

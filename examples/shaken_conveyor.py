@@ -73,6 +73,8 @@ print(f"shaken by {PUSH:g} N at 9 Hz: trough {1e3 * abs(trough) / PUSH:.2f} mm/s
 print(f"floor {abs(floor) / PUSH:.2f} N a newton")
 
 pushed_point = measures.position(shaken.part("frame"), axis=(1, 0, 0), at=(0.3, 0, 0.05))
-zeros = state_space(shaken, outputs=[pushed_point]).zeros
+at_shaker = state_space(shaken, outputs=[pushed_point])
+zeros = at_shaker.zeros
 still = np.sort(zeros.imag[zeros.imag > 0.0]) / (2 * np.pi)
 print("the pushed point all but stands still at", ", ".join(f"{x:.2f}" for x in still), "Hz")
+figure = at_shaker.bode()

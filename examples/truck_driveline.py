@@ -42,3 +42,4 @@ for out_of_phase in (False, True):
     rate = run.rate("out")
     print(f"{'out of' if out_of_phase else 'in'} phase: {rate.min():.4f} to {rate.max():.4f} rad/s")
 print(f"in theory out of phase {RATE * np.cos(BEND) ** 2:.4f} to {RATE / np.cos(BEND) ** 2:.4f} rad/s")
+figure = run.plot("rate", "in", "out")

@@ -12,6 +12,7 @@ Prints::
 """
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from mbsd3d import (
     GROUND,
@@ -61,3 +62,11 @@ for _ in range(30):
     low, high = (middle, high) if least_force(middle) > 0 else (low, middle)
 top = PRELOAD + STIFFNESS * LIFT - MASS * 9.81  # at full lift the spring alone turns the valve round
 print(f"it floats from {low:.4f} Hz, in theory {np.sqrt(2 * top / (MASS * LIFT)) / (2 * np.pi):.4f} Hz")
+
+figure = Figure(figsize=(6.4, 3.6), layout="constrained")
+axes = figure.subplots()
+for frequency in (40.0, 100.0, 160.0):
+    run = one_turn(frequency)
+    axes.plot(np.degrees(run.angle(bearing)), cam.normal_force(run), label=f"{60 * frequency:.0f} strokes a minute")
+axes.set(xlabel="angle of the shaft [deg]", ylabel="force on the cam [N]")
+axes.legend()

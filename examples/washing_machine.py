@@ -34,3 +34,4 @@ x = run.position(tub)[:, 0]
 passing, spinning = np.ptp(x[run.t < 4.0]) / 2, np.ptp(x[run.t > 7.5]) / 2
 print(f"passing the resonance {1e3 * passing:.1f} mm, spinning {1e3 * spinning:.2f} mm")
 print(f"a floating tub would move {1e3 * LAUNDRY * RADIUS / (TUB + DRUM + LAUNDRY):.2f} mm")
+figure = run.plot([("position", tub), ("rate", shaft)])

@@ -9,6 +9,7 @@ Prints::
 """
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from mbsd3d import GROUND, Body, Revolute, SpeedDriver, System, inertia, rotation, simulate
 
@@ -27,6 +28,8 @@ def rotor(blades):
     return inertia.combine(parts)
 
 
+figure = Figure(figsize=(6.4, 3.6), layout="constrained")
+axes = figure.subplots()
 for blades in (2, 3):
     solid = rotor(blades)
     nacelle = Body("nacelle", 80e3, (2e5, 4e5, 4e5))
@@ -39,3 +42,6 @@ for blades in (2, 3):
     nod = np.abs(np.sum(run.reaction(yaw).moment * across, axis=1)) / 1e3
     mean = solid.inertia[0, 0] * SPIN * YAW / 1e3
     print(f"{blades} blades: {nod.min():8.2f} to {nod.max():8.2f} kN m, I Omega yaw_rate = {mean:.2f} kN m")
+    axes.plot(np.degrees(run.angle(shaft)), nod, label=f"{blades} blades")
+axes.set(xlabel="angle of the rotor [deg]", ylabel="moment on the yaw bearing [kN m]")
+axes.legend()

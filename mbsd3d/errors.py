@@ -3,6 +3,7 @@
 from .base.errors import ArgumentError as ArgumentError
 from .base.errors import AssemblyError as AssemblyError
 from .base.errors import EquilibriumError as EquilibriumError
+from .base.errors import GradientError as GradientError
 from .base.errors import InputError as InputError
 from .base.errors import IntegrationError as IntegrationError
 from .base.errors import KernelError as KernelError

@@ -24,6 +24,7 @@ NAMES_ELSEWHERE = MappingProxyType({
     "PID": "StateFeedback, or a Torque with an Input set through Stepper", "Spring": "SpringDamper",
     "Damper": "SpringDamper", "TSDA": "SpringDamper", "RSDA": "TorsionSpring", "RotationalSpring": "TorsionSpring",
     "Mount": "Bushing", "Bush": "Bushing", "BISTOP": "EndStop", "Stop": "EndStop",
+    "Cable": "Rope", "Sheave": "Pulley", "Drum": "Winch",
     "Friction": "Brake or JointFriction", "Mate": "a joint: Revolute, Prismatic, Fixed, ...", "Link": "Body",
     "Part": "Body", "RigidBody": "Body", "Model": "System", "MultibodySystem": "System",
     "World": "GROUND, in a System", "Ground": "GROUND", "Marker": "none: joints take at= and axis=",

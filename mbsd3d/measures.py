@@ -28,6 +28,7 @@ from .mechanism.measures import reaction as reaction
 from .mechanism.measures import slide as slide
 from .mechanism.measures import slide_rate as slide_rate
 from .mechanism.measures import state as state
+from .mechanism.measures import tension as tension
 from .mechanism.measures import touches as touches
 from .mechanism.measures import turn as turn
 from .mechanism.measures import turn_rate as turn_rate

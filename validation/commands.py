@@ -21,7 +21,7 @@ OUT_FOLDER = "out/validation"
 BUDGET_SECONDS = {True: 0.2, False: 2.0}  # [s] of an engine for a case: of the short list, of the long one
 
 
-@click.command()
+@click.command(epilog="Example: mbsd3d validate door.toml --t-end 2 --html door.html")
 @click.argument("model", required=False)
 @click.option("--t-end", type=float, help="MODEL: end of the comparison [s].  [default: 1]")
 @click.option(
@@ -30,15 +30,17 @@ BUDGET_SECONDS = {True: 0.2, False: 2.0}  # [s] of an engine for a case: of the 
 )  # fmt: skip
 @click.option("--tolerance", type=float, help="MODEL: relative difference that counts as agreement.  [default: 1e-6]")
 @click.option("--budget", type=float, help="MODEL: processor seconds for the runs of an engine.  [default: 10]")
-@click.option("--json", "json_file", type=click.Path(), metavar="FILE", help="MODEL: write the findings there.")
-@click.option("--html", "html_file", type=click.Path(), metavar="FILE", help="MODEL: write a page there (offline).")
+@click.option("--json", "json_file", type=click.Path(), metavar="FILE", help="MODEL: write the findings to this file.")
+@click.option(
+    "--html", "html_file", type=click.Path(), metavar="FILE", help="MODEL: write a page to this file (offline)."
+)
 @click.option(
     "--leave-out",
     "--drop",
     "drop",
     multiple=True,
     metavar="KIND,...",
-    help="MODEL: leave out what acts and cannot be imported (.xml, .urdf), e.g. fluid,tendon.",
+    help="MODEL: leave out parts that act and cannot be imported (.xml, .urdf), e.g. fluid,tendon.",
 )
 @click.option(
     "--set", "changes", multiple=True, metavar="NAME=VALUE", help="MODEL: a parameter of build(...) of a Python file."
@@ -47,8 +49,8 @@ BUDGET_SECONDS = {True: 0.2, False: 2.0}  # [s] of an engine for a case: of the 
 @click.option(
     "--case", "names", multiple=True, metavar="NAME", help="Cases: only this one (or a pattern); may be repeated."
 )
-@click.option("--list", "only_list", is_flag=True, help="Cases: name them and end.")
-@click.option("--fresh", is_flag=True, help="Cases: forget what an interrupted run has left.")
+@click.option("--list", "only_list", is_flag=True, help="Cases: list them and exit.")
+@click.option("--fresh", is_flag=True, help="Cases: discard the results of an interrupted run.")
 @click.option("--out", help="Cases: folder for the report, made if missing.  [default: out/validation]")
 def validate(model: str | None, **options: Any) -> None:
     """Compare MODEL, or every reference case, with MuJoCo and Exudyn.
@@ -59,7 +61,7 @@ def validate(model: str | None, **options: Any) -> None:
     The engines: pip install 'mbsd3d[validation]'.
 
     Without MODEL all cases are compared with theory, the planar solver, their definitions and the engines; the report
-    is a page (.html) and its numbers (.json). A run that was killed goes on with the same command. The exit code is 1
+    is a page (.html) and its numbers (.json). An interrupted run continues with the same command. The exit code is 1
     if anything differs without a proven cause.
     """
     given = {name: value for name, value in options.items() if value is not None and value is not False and value != ()}

@@ -1,5 +1,6 @@
 """Commands ``mbsd3d bicycle STUDY``: each imports its study when it starts, so that help is quick."""
 
+import ast
 from collections.abc import Callable
 from functools import wraps
 from importlib import import_module
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mbsd3d.errors import InputError
+from mbsd3d.extend import Listed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,7 +24,7 @@ STUDIES = {
 """Study -> module here that holds its command, in the order of a course."""
 
 
-class Studies(click.Group):
+class Studies(Listed):
     """Click group whose commands are imported on demand."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
@@ -32,6 +34,12 @@ class Studies(click.Group):
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         """Import and return the command of a study."""
         return getattr(import_module(f".{STUDIES[name]}", __name__), name) if name in STUDIES else None
+
+    def listed(self, ctx: click.Context, name: str) -> click.Command:
+        """Return a command with the help of a study, read from its source: importing all takes a second."""
+        source = Path(__file__).with_name(f"{STUDIES[name]}.py").read_text(encoding="utf-8")
+        functions = {node.name: node for node in ast.parse(source).body if isinstance(node, ast.FunctionDef)}
+        return click.Command(name, help=ast.get_docstring(functions[name]))
 
 
 @click.group(cls=Studies)
@@ -76,13 +84,13 @@ def tyre_flags(function: Callable[..., None]) -> Callable[..., None]:
     """
     soft = click.option(
         "--head", type=float, nargs=2, metavar="K C",
-        help="Of a head tube that yields [N m/rad] [N m s/rad], e.g. 2000 2. Includes --tyres.",
+        help="Stiffness and damping of a flexible head tube [N m/rad] [N m s/rad], e.g. 2000 2. Implies --tyres.",
     )  # fmt: skip
     several = click.option(
         "--tyre", "changed", multiple=True, metavar="KEY=VALUE",
         help="A parameter of mbsd3d.Tyre, e.g. cornering=12 or mu=0.6; repeatable. Implies --tyres.",
     )  # fmt: skip
-    usual = click.option("--tyres", "on_tyres", is_flag=True, help="On tyres, not on ideal wheels.")
+    usual = click.option("--tyres", "on_tyres", is_flag=True, help="Use tyres instead of ideal wheels.")
     return usual(several(soft(function)))
 
 

@@ -28,21 +28,27 @@ if TYPE_CHECKING:
     from ..parameters import Parameters
 
 
-@click.command()
+@click.command(epilog="Example: mbsd3d bicycle sensitivity Browserins --deviation c=0.005")
 @bicycle_argument
 @click.option(
     "--deviation", "given", multiple=True, metavar="SYMBOL=VALUE",
     help="Standard deviation in SI units, e.g. c=0.005; repeatable. Default: those of the set or file.",
 )  # fmt: skip
 @click.option(
-    "--samples", type=click.IntRange(2, 100_000), default=10_000, show_default=True, help="Of the distribution."
+    "--samples",
+    type=click.IntRange(2, 100_000),
+    default=10_000,
+    show_default=True,
+    help="Number of samples of the distribution.",
 )
-@click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Of the random numbers.")
+@click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Seed of the random numbers.")
 @click.option(
     "--map", "axes", multiple=True, metavar="SYMBOL=FROM:TO:COUNT",
     help="Map of the self-stable range over two parameters, e.g. --map c=0:0.2:81 --map lam=0:0.7:81",
 )  # fmt: skip
-@click.option("--model", "general", is_flag=True, help="Map from the general model, not the closed form (slower).")
+@click.option(
+    "--model", "general", is_flag=True, help="Compute the map by the general model instead of the closed form (slower)."
+)
 @dark_option
 @out_option
 def sensitivity(
@@ -148,7 +154,7 @@ def deviations_of(parameters: "Parameters", given: tuple[str, ...]) -> dict[str,
     return dict(parameters.deviations)
 
 
-@click.command()
+@click.command(epilog="Example: mbsd3d bicycle why")
 @bicycle_argument
 @click.option("--closed-form", is_flag=True, help="Do not confirm the ranges by the general model (faster).")
 @tyre_options
@@ -158,8 +164,8 @@ def why(parameters: "Parameters", closed_form: bool, fittings: dict[str, Any], d
     """Show why a bicycle stays upright: without spin or trail, with masses moved, with steering locked.
 
     Prints the self-stable ranges [m/s] of each variant and how fast it falls at one speed; writes a figure and a table
-    (.csv). On tyres also what camber, trail, relaxation and stiffness of the tyres do, beside ideal wheels. The exit
-    code is 1 if the general model does not confirm a range. Next: mbsd3d bicycle sensitivity
+    (.csv). On tyres also the effects of their camber, trail, relaxation and stiffness, compared with ideal wheels. The
+    exit code is 1 if the general model does not confirm a range. Next: mbsd3d bicycle sensitivity
     """
     from ..linear.why import ablations, plot_ablations, to_csv
     from ..model.mechanism import whipple
@@ -178,7 +184,7 @@ def why(parameters: "Parameters", closed_form: bool, fittings: dict[str, Any], d
     end(f"{found.missing} variants" if found.missing else "", any(row.confirmed is False for row in found.rows))
 
 
-@click.command()
+@click.command(epilog="Example: mbsd3d bicycle frequency Browserins")
 @bicycle_argument
 @click.option("--speed", "speeds", type=float, multiple=True, help="Speed [m/s]; repeatable. Default: 3, 5 and 8.")
 @click.option("--from", "low", type=float, default=0.1, show_default=True, help="Lowest frequency [rad/s].")
@@ -212,12 +218,12 @@ def frequency(
     report(*saved(plot_response(found, beside=beside, dark=dark), target), found.to_csv(target))
 
 
-@click.command()
+@click.command(epilog="Example: mbsd3d bicycle compare Browserins Fisher")
 @click.argument("bicycles", nargs=-1)
 @click.option("--list", "only_list", is_flag=True, help="List the published sets and stop.")
 @click.option(
     "--views", type=click.IntRange(0), default=4, show_default=True,
-    help="How many, from the first on, get a page that shows their weave in motion (0.8 MB each).",
+    help="Number of bicycles, from the first on, that get a page with their weave in motion (0.8 MB each).",
 )  # fmt: skip
 @unphysical_option
 @tyre_flags

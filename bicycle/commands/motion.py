@@ -23,10 +23,14 @@ OUTPUT_RATE, SAMPLES_MIN, SAMPLES_MAX = 100, 400, 20_000
 """Samples of a ride per second, and at least and at most: a tyre that bounces does so within some hundredths."""
 
 
-@click.command()
+@click.command(epilog="Example: mbsd3d bicycle ride --speed 5 --view")
 @bicycle_argument
 @click.option(
-    "--manoeuvre", type=click.Choice([*MANOEUVRES]), default="push", show_default=True, help="What happens; see --list."
+    "--manoeuvre",
+    type=click.Choice([*MANOEUVRES]),
+    default="push",
+    show_default=True,
+    help="Manoeuvre to ride; see --list.",
 )
 @click.option("--list", "only_list", is_flag=True, help="List the manoeuvres.")
 @click.option("--speed", type=float, help="Speed at the start [m/s]; default: as in the manoeuvre.")
@@ -34,8 +38,8 @@ OUTPUT_RATE, SAMPLES_MIN, SAMPLES_MAX = 100, 400, 20_000
 @click.option(
     "--fallen", type=float, default=f"{np.degrees(FALLEN):g}", show_default=True, help="Tilt that ends the ride [°]."
 )
-@click.option("--held-down", is_flag=True, help="Go on where a wheel would lift, as if the ground could pull.")
-@click.option("--view", "viewed", is_flag=True, help="Write a page (.html) too that shows the ride.")
+@click.option("--held-down", is_flag=True, help="Continue where a wheel would lift off, as if the ground could pull.")
+@click.option("--view", "viewed", is_flag=True, help="Also write a page (.html) that shows the ride.")
 @tyre_options
 @out_option
 def ride(
@@ -109,19 +113,19 @@ def refitted(parameters: "Parameters", fittings: Mapping[str, Any]) -> list[str]
     return ["tyres", *(f"{key}{x:.12g}" if isinstance(x, float) else f"{key}{x}" for key, x in other.items())]
 
 
-@click.command()
+@click.command(epilog="Example: mbsd3d bicycle circles --speed 4")
 @bicycle_argument
 @click.option(
     "--speed", "speeds", type=float, multiple=True, default=(3.0, 5.0, 7.0, 9.0), show_default=True,
-    help="Speed of the turns that a steer torque holds [m/s]; repeatable.",
+    help="Speed of the turns held by a steer torque [m/s]; repeatable.",
 )  # fmt: skip
-@click.option("--view", "viewed", is_flag=True, help="Write a page (.html) too: a round of the first family.")
+@click.option("--view", "viewed", is_flag=True, help="Also write a page (.html): one round of the first family.")
 @tyre_options
 @out_option
 def circles(
     parameters: "Parameters", speeds: tuple[float, ...], viewed: bool, fittings: dict[str, Any], out: str
 ) -> None:
-    """Find the circles a bicycle rides without hands, and the torque that holds it in other turns.
+    """Find the circles that a bicycle rides without hands, and the torque that holds it in other turns.
 
     Hands-free circles come in families that begin and end where the bicycle goes straight, rests, lies or lifts a
     wheel; the stability of each is computed. Writes a figure and a table (.csv) of all turns. On tyres only the held

@@ -12,11 +12,11 @@ if TYPE_CHECKING:
     from ..parameters import Parameters
 
 
-@click.command()
+@click.command(epilog="Example: mbsd3d bicycle play")
 @bicycle_argument
 @click.option("--speed", type=float, default=5.0, show_default=True, help="Speed at the start [m/s].")
-@click.option("--assist", type=float, default=0.0, show_default=True, help="Balance assist at the start [N m s/rad].")
-@click.option("--torque", type=float, default=2.0, show_default=True, help="Of your arms at most [N m].")
+@click.option("--assist", type=float, default=20.0, show_default=True, help="Initial balance assist [N m s/rad].")
+@click.option("--torque", type=float, default=2.0, show_default=True, help="Largest torque of your arms [N m].")
 @port_option
 @tyre_options
 def play(

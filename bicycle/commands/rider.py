@@ -22,15 +22,15 @@ SPEED_MIN, SPEED_MAX, SPEED_COUNT = 2.0, 12.0, 41
 """[m/s] Of handling quality over the speed."""
 
 
-@click.command()
+@click.command(epilog="Example: mbsd3d bicycle rider Browserins")
 @bicycle_argument
 @click.option(
-    "--course", type=click.Choice(COURSE_NAMES), default="lane-change", show_default=True, help="Where to go."
+    "--course", type=click.Choice(COURSE_NAMES), default="lane-change", show_default=True, help="Course to follow."
 )
 @click.option("--speed", type=float, default=5.0, show_default=True, help="Speed at the start [m/s].")
 @click.option(
     "--gains", type=float, nargs=5, default=None, metavar="STEER RATE ROLL HEADING WAY",
-    help="Of the five loops, from the inside out; default: by rule, for this bicycle and speed.",
+    help="Gains of the five loops, from the inside out; default: by rule, for this bicycle and speed.",
 )  # fmt: skip
 @click.option("--t-end", type=float, default=12.0, show_default=True, help="End of the ride [s].")
 @tyre_options

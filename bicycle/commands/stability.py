@@ -13,12 +13,12 @@ if TYPE_CHECKING:
     from ..parameters import Parameters
 
 
-@click.command()
+@click.command(epilog="Example: mbsd3d bicycle stability Browserins")
 @bicycle_argument
 @click.option("--from", "first", type=float, help="Lowest speed [m/s], may be negative; default 0.")
 @click.option("--to", "last", type=float, help="Highest speed [m/s]; default 10.")
 @click.option("--count", type=click.IntRange(2, 100_000), help="Number of speeds; default 401.")
-@click.option("--mode", "shown", help="Write a page (.html) too that shows this mode: weave, capsize or castering,")
+@click.option("--mode", "shown", help="Also write a page (.html) that shows this mode: weave, capsize or castering,")
 @click.option("--speed", type=float, default=5.0, show_default=True, help="at this speed [m/s].")
 @tyre_options
 @dark_option

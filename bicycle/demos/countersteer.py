@@ -6,12 +6,14 @@ import numpy as np
 import scipy.linalg
 
 from mbsd3d import System, simulate
-from mbsd3d.extend import Ablation, Curve, Demo, Measured, Quantity, require
+from mbsd3d.extend import Ablation, Beat, Curve, Demo, Measured, Quantity, Ride, Symbol, moments, require
 
 from ..linear.equations import canonical
 from ..model.mechanism import steer_torque, whipple
 from ..parameters import Meijaard2007
+from .no_hands import SYMBOLS
 
+RIDE_TORQUE = 2.0  # [N m] at the handlebar, of a reader who rides
 SMALL_ANGLE = 1e-5  # [rad] lean and steer of the linear answer; their squares vanish, their rounding is 1e-13
 
 
@@ -20,6 +22,11 @@ def mechanism(*, v=5.0, torque=1.0) -> System:
     parameters = Meijaard2007()
     bicycle = whipple(parameters, speed=v)
     return replace(bicycle, forces=steer_torque(bicycle, parameters, torque))
+
+
+def ride(*, v) -> Ride:
+    """Build what a reader rides: his hands push the handlebar."""
+    return Ride(mechanism(v=v, torque=RIDE_TORQUE), "Hold left or right: so you push the handlebar.", "frame")
 
 
 def answer(times, v):
@@ -68,10 +75,23 @@ demo = Demo(
     __name__,
     title="Countersteering",
     question="Why must one steer left to turn right?",
+    beats=(
+        Beat(0.0, "A push that would turn the bar to the right."),
+        Beat(moments.most(lambda run: run.angle("steer")), "It steers right, and the bicycle falls to the left ..."),
+        Beat(
+            moments.first(lambda run: (run.t > 0.2) & (run.angle("steer") < 0)),
+            "... so that it steers left, against the hand ...",
+        ),
+        Beat(moments.share(1.0), "... and rides a curve to the left."),
+    ),
     why="Turning the handlebar to the right moves the wheels out to the right from under the rider, who then falls "
     "to the left, and a bicycle that leans left turns left. So a steady push that would turn the handlebar to "
     "the right first does so, and a moment later the bicycle leans left and steers left, against the hand.",
     equation="M q'' + v C_1 q' + (g K_0 + v^2 K_2) q = (0, T)",
+    symbols={
+        **SYMBOLS,
+        "T": Symbol("torque at the bar", "N m", "torque"),
+    },
     source="Meijaard et al., Proc. R. Soc. A 463 (2007) 1955; Limebeer, Sharp, IEEE Control Systems 26 (2006) 34",
     quantities={
         "early_steer_per_torque": Quantity("steer at t1 over torque", "rad/(N m)", relative=1e-6),
@@ -85,4 +105,11 @@ demo = Demo(
     ),
     show={"curves": [("angle", "steer"), ("omega", "frame")], "follow": "frame", "traces": []},
     ranges={"v": (4.0, 7.0), "t2": (1.5, 2.2), "torque": (0.5, 1.5)},
+    sliders=(
+        ("v", 4.0, 7.0, "m/s", "speed"),
+        ("torque", -1.5, 1.5, "N m", "at the handlebar"),
+    ),
+    theory_moves=False,
+    attempt="push the other way: all is mirrored. At every speed the bicycle first steers with the hand, and "
+    "then against it.",
 )

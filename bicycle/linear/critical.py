@@ -22,9 +22,9 @@ from numpy.polynomial import Polynomial
 from numpy.polynomial.polynomial import polyder, polyval
 
 from mbsd3d.errors import InputError
+from mbsd3d.extend import Result
 
 from ..model.mechanism import whipple
-from ..output import Result
 from ..parameters import Parameters
 from .equations import Canonical, canonical
 from .general import Build, required_equations

@@ -19,8 +19,8 @@ from numpy.typing import ArrayLike
 from scipy.optimize import linear_sum_assignment
 
 from mbsd3d.errors import InputError
+from mbsd3d.extend import Result
 
-from ..output import Result
 from ..parameters import Parameters, check_set
 
 MODES = ("weave", "capsize", "castering")

@@ -18,16 +18,17 @@ from mbsd3d.errors import InputError
 from mbsd3d.extend import (
     GRID_WIDTH_POINTS,
     LINE_WIDTH_POINTS,
+    Result,
     Theme,
     label_decades,
     label_quarter_turns,
     new_figure,
     style_axes,
+    write_table,
 )
 
 from ..model.mechanism import outputs, whipple
 from ..model.tyres import Tyres
-from ..output import Result, write_table
 from ..parameters import Parameters
 from .equations import canonical, checked_list, checked_speeds
 from .general import Build

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, Theme, new_figure, style_axes
+from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, Result, Theme, new_figure, style_axes, write_table
 
-from ..output import Result, collected, write_table
+from ..output import collected
 from ..parameters import MEANING, SYMBOL, TYRES, UNIT, Parameters, check_set
 from . import critical
 from .equations import checked_list

@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike
 
 from mbsd3d import Mode, linearize
 from mbsd3d.errors import InputError
-from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS
+from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, Result
 
-from ..output import Result, modes_figure, write_modes
+from ..output import modes_figure, write_modes
 from ..parameters import Parameters, machines
 from .critical import Range
 from .equations import walk

@@ -17,9 +17,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import new_figure, style_axes
+from mbsd3d.extend import Result, new_figure, style_axes, write_table
 
-from ..output import Result, write_table
 from ..parameters import MEANING, SYMBOL, SYMBOLS, TYRES, UNIT, Parameters, check_set
 from . import critical
 from .critical import Quartic, double_roots, value

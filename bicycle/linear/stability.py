@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike
 
 from mbsd3d import Mode
 from mbsd3d.errors import InputError
-from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, Theme, checks_arguments, number
+from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, Result, Theme, checks_arguments, number
 
 from ..model.mechanism import whipple
 from ..model.tyres import Tyres
-from ..output import Result, modes_figure, write_modes
+from ..output import modes_figure, write_modes
 from ..parameters import Parameters
 from . import on_tyres
 from .critical import CriticalSpeeds, critical_speeds, speeds_of

@@ -9,15 +9,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
-import scipy
 
+from mbsd3d import Sobol, uncertainty
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE_WIDTH_POINTS, new_figure, style_axes, whole
+from mbsd3d.extend import LINE_WIDTH_POINTS, Result, new_figure, style_axes, whole, write_table
 
-from ..output import Result, write_table
 from ..parameters import NOT_NEGATIVE, POSITIVE, SYMBOL, TYRES, Parameters, check_set, checked_deviations
 from . import critical
 
@@ -65,27 +64,6 @@ class MonteCarlo(Result):
             lines.append(f"  {name:20} {low:9.4f} {middle:9.4f} {high:9.4f}   in {share:.1f} % of them")
         if self.impossible:
             lines.append(f"  {100 * self.impossible:.1f} % have an inertia of frame or fork that no rigid body has")
-        return "\n".join(lines)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Sobol(Result):
-    """Shares of the variance of each output that the k parameters ``names`` cause."""
-
-    names: tuple[str, ...]
-    first: Mapping[str, np.ndarray]  # (k,) first-order indices by output; NaN where some samples have no such speed
-    total: Mapping[str, np.ndarray]  # (k,) total indices
-
-    def to_csv(self, path: str | Path) -> Path:
-        """Write one row per parameter; return the file."""
-        head = ["parameter", *(f"{kind} of {name}" for name in self.first for kind in ("first order", "total"))]
-        columns = [x[name] for name in self.first for x in (self.first, self.total)]
-        return write_table(path, head, ([key, *row] for key, *row in zip(self.names, *columns, strict=True)))
-
-    def __str__(self) -> str:
-        lines = [f"total indices [1]{'':8}{'  '.join(f'{name:>19}' for name in self.total)}"]
-        for k in np.argsort(-np.nan_to_num(np.array([*self.total.values()])).max(axis=0)):
-            lines.append(f"{self.names[k]:25}" + "  ".join(f"{x[k]:19.4f}" for x in self.total.values()))
         return "\n".join(lines)
 
 
@@ -177,22 +155,14 @@ def sobol(
     n, seed = whole(n, "sobol: n", 2), whole(seed, "sobol: seed", 0)
     if n & (n - 1):
         raise InputError(f"sobol: n = {n}; give a power of two, e.g. 2048")
-    keys, exists = tuple(known), np.ones(len(OUTPUTS), bool)
 
-    def outputs(x: np.ndarray) -> np.ndarray:
-        check_samples(parameters, keys, x)
-        speeds = np.array(list(speeds_of(variants(parameters, keys, x)).values()))
-        exists[:] &= np.isfinite(speeds).all(axis=1)
-        return speeds
+    def outputs(**columns: np.ndarray) -> dict[str, np.ndarray]:
+        x = np.array(list(columns.values()))
+        check_samples(parameters, tuple(columns), x)
+        return speeds_of(variants(parameters, tuple(columns), x))
 
-    distributions = [scipy.stats.norm(getattr(parameters, key), std) for key, std in known.items()]
-    with np.errstate(invalid="ignore", divide="ignore"):
-        found = scipy.stats.sobol_indices(func=outputs, n=n, dists=distributions, rng=seed)
-    # scipy makes zeros of outputs that are NaN somewhere, and drops axes of length 1
-    shape = len(OUTPUTS), len(keys)
-    shares = (np.where(exists[:, None], x.reshape(shape), np.nan) for x in (found.first_order, found.total_order))
-    first, total = (dict(zip(OUTPUTS, x, strict=True)) for x in shares)
-    return Sobol(keys, first, total)
+    spread = {key: ("normal", getattr(parameters, key), std) for key, std in known.items()}
+    return cast(Sobol, uncertainty(outputs, spread, n, seed=seed).sobol)  # there is one of independent parameters
 
 
 def plot_uncertainty(found: MonteCarlo, indices: Sobol, *, dark: bool = False) -> "Figure":

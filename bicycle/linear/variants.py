@@ -10,9 +10,8 @@ import numpy as np
 
 from mbsd3d import AngleDriver, Constant, System
 from mbsd3d.errors import InputError
-from mbsd3d.extend import Theme, new_figure, style_axes
+from mbsd3d.extend import Result, Theme, new_figure, style_axes, write_table
 
-from ..output import Result, write_table
 from ..parameters import Parameters
 from . import critical
 from .critical import Range

@@ -215,6 +215,10 @@ def steer_torque(system: Bicycle, parameters: Parameters, torque: Signal | float
     ]
 
 
+RIDER_MASS_MIN = 40.0  # [kg] of the frame; on a lighter one nobody sits
+HANDLEBAR = ((-0.16, 0.3, 0.0), (0.0, 0.28, 0.03), (0.0, -0.28, 0.03), (-0.16, -0.3, 0.0))  # [sizes] from the stem
+
+
 @lru_cache(maxsize=64)
 def spoked_wheel(radius: float, tube: float) -> tuple[shapes.Shape, ...]:
     """Return a tyre and spokes about the hub [m]; made once for all bicycles that share it."""
@@ -225,17 +229,46 @@ def spoked_wheel(radius: float, tube: float) -> tuple[shapes.Shape, ...]:
 
 
 def shape_of(p: Parameters, part: str) -> Sequence[shapes.Shape]:
-    """Return the shapes of a part, from its hub [m]: wheels with rims and spokes, tubes of frame and fork, the rider's
-    mass.
+    """Return the shapes of a part, from its hub [m]: wheels with rims and spokes, tubes of frame and fork with its
+    handlebar, and the rider on a frame that is heavy enough for one, else the frame's mass.
     """
     if part in "RF":
         r = getattr(p, f"r{part}")
         tube = max(getattr(p, f"t{part}") if getattr(p, f"t{part}") < 0.3 * r else 0.0, 0.04 * r)
         return spoked_wheel(float(r), float(tube))
-    (rear, front), (head, axis), height = hubs(p), steer_axis(p), 2.0 * max(p.rR, p.rF)
+    (rear, front), (head, axis) = hubs(p), steer_axis(p)
+    size = float(max(p.w, 2.0 * max(p.rR, p.rF)))
+    stem = head - 0.2 * size * axis
     if part == "H":
-        return [shapes.Lines(np.array([front, head, head - 0.15 * height * axis]) - front)]
-    crank, seat = np.array([0.4 * p.w, 0.0, p.rR]), np.array([0.2 * p.w, 0.0, height])
+        bar = [stem + size * np.array(point) for point in HANDLEBAR]
+        return [shapes.Lines(np.array([front, head, stem]) - front), shapes.Lines(np.array(bar) - front)]
+    crank, seat = np.array([0.4 * p.w, 0.0, p.rR]), np.array([0.2 * p.w, 0.0, 2.0 * max(p.rR, p.rF) + 0.2 * size])
     tubes = shapes.Lines(np.array([rear, crank, head, seat, rear, seat, crank]) - rear)
-    weight = np.array([p.xB, 0.0, -p.zB]) - rear
-    return [tubes, shapes.Sphere(0.08 * p.w, at=weight)]
+    if p.mB < RIDER_MASS_MIN:
+        return [tubes, shapes.Sphere(0.08 * p.w, at=np.array([p.xB, 0.0, -p.zB]) - rear)]
+    return [tubes, *rider(seat - rear, stem - rear, crank - rear, size)]
+
+
+def rider(seat: np.ndarray, stem: np.ndarray, crank: np.ndarray, size: float) -> list[shapes.Shape]:
+    """Return head, trunk, arms and legs of a rider on a seat, with hands on the bar and feet on the pedals [m]."""
+    hip = seat + size * np.array([0.0, 0.0, 0.06])
+    shoulder = hip + size * np.array([0.22, 0.0, 0.44])
+    limbs = [(hip, shoulder, 0.09)]
+    for side, pedal in ((1.0, 0.16), (-1.0, -0.16)):  # the cranks stand level, one foot in front
+        across = size * side * np.array([0.0, 1.0, 0.0])
+        hand = stem + size * np.array(HANDLEBAR[0 if side > 0.0 else -1])
+        elbow = 0.5 * (shoulder + hand) + 0.2 * across - size * np.array([0.02, 0.0, 0.08])
+        foot = crank + 0.12 * across + size * np.array([pedal, 0.0, 0.03])
+        knee = 0.5 * (hip + foot) + 0.09 * across + size * np.array([0.2, 0.0, 0.08])
+        limbs += [(shoulder + 0.14 * across, elbow, 0.035), (elbow, hand, 0.03)]
+        limbs += [(hip + 0.08 * across, knee, 0.055), (knee, foot, 0.04)]
+    return [
+        shapes.Sphere(0.1 * size, at=shoulder + size * np.array([0.07, 0.0, 0.2])),
+        *(limb(*x, size) for x in limbs),
+    ]
+
+
+def limb(start: np.ndarray, end: np.ndarray, thickness: float, size: float) -> shapes.Capsule:
+    """Return a capsule between two points [m]; ``thickness`` is its radius over the size of the bicycle."""
+    way = end - start
+    return shapes.Capsule(thickness * size, float(np.linalg.norm(way)), way, at=0.5 * (start + end))

@@ -21,12 +21,14 @@ from mbsd3d.extend import (
     GRID_WIDTH_POINTS,
     LINE_WIDTH_POINTS,
     Progress,
+    Result,
     digits,
     inline_svg,
     new_figure,
     page_template,
     style_axes,
     write_atomically,
+    write_table,
 )
 
 from ..linear import critical, stability
@@ -35,7 +37,7 @@ from ..linear.general import eigenvalues
 from ..linear.tyre_equations import Affine, required_equations
 from ..linear.variants import NO_RANGE, plot_ranges
 from ..model.mechanism import whipple
-from ..output import Result, collected, write_table
+from ..output import collected
 from ..parameters import Meijaard2007, Parameters, entry_of, machines, named, names
 from . import ideal_or_tyres
 from .side_view import side_view

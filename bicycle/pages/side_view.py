@@ -1,6 +1,7 @@
 """Bicycle from the side, to scale, as a small SVG from its parameters alone; colours are variables of the page.
 
-Frame and fork are uniform ellipsoids with their mass, centre of mass and inertia, so that one sees where the mass is.
+Frame and fork are uniform ellipsoids with their mass, centre of mass and inertia, so that the picture shows where the
+mass is.
 """
 
 from collections.abc import Callable

@@ -16,10 +16,10 @@ from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, new_figure, style_axes
+from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, Result, new_figure, style_axes, write_table
 
 from ..linear.equations import checked_speeds
-from ..output import Result, collected, write_table
+from ..output import collected
 from ..parameters import Parameters
 from .rider import Gains, by_rule, checked_gains, closed_loops, eigenvalues, gains_of, spans
 
@@ -60,7 +60,7 @@ def peak(parameters: Parameters, speed: float, gains: Gains | None = None) -> Pe
     Raises
     ------
     ValueError
-        If the rule finds no gains, or the rider does not balance the bicycle with them: then the metric says nothing.
+        If the rule finds no gains, or the rider does not balance the bicycle with them: then the metric has no meaning.
 
     Examples
     --------

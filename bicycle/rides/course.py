@@ -8,12 +8,11 @@ import numpy as np
 
 from mbsd3d import CustomForce
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE_WIDTH_POINTS, new_figure, number, style_axes
+from mbsd3d.extend import LINE_WIDTH_POINTS, Result, new_figure, number, style_axes, write_table
 
 from ..model.kinematics import steer_axis
 from ..model.mechanism import Bicycle, whipple
 from ..model.tyres import Tyres
-from ..output import Result, write_table
 from ..parameters import Parameters
 from ..riders.rider import MUSCLES, Gains, checked_gains, gains_of
 from .manoeuvres import FALLEN

@@ -43,7 +43,7 @@ class Manoeuvre:
 
 
 def less_grip(tyre: Mapping[str, Any], share: Signal) -> dict[str, Any]:
-    """Return the arguments of a tyre with a share of its ``mu``; raise ValueError where ``mu`` is no number."""
+    """Return the arguments of a tyre with a share of its ``mu``; raise ValueError where ``mu`` is not a number."""
     mu = tyre.get("mu", TYPICAL["mu"])
     if isinstance(mu, Signal) or mu is None:
         raise InputError(f"manoeuvre: mu = {mu!r} has no share that is left on a wet patch; give a number")

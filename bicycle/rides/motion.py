@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mbsd3d import Solution
-from mbsd3d.extend import LINE_WIDTH_POINTS, ForceElement, Theme, new_figure, style_axes
+from mbsd3d.extend import LINE_WIDTH_POINTS, ForceElement, Result, Theme, new_figure, style_axes, write_table
 
 from ..model.kinematics import X, Y, Z
-from ..output import Result, write_table
 from ..parameters import Parameters
 
 if TYPE_CHECKING:

@@ -22,6 +22,8 @@ from .rider_mass import carried, faster
 PEDAL_TORQUE_MAX, BRAKE_TORQUE_MAX = 40.0, 60.0  # [N m] at the rear and the front hub
 SPEED_MAX = 50.0  # [m/s] of a live ride
 ASSIST_GAIN_MAX = 50.0  # [N m s/rad] of the balance assist
+ASSIST_GAIN = 20.0  # [N m s/rad] at the start: at 5 m/s it stays up when the key is held for 4 s, with 10 it falls
+STEERING_HINT = "Press right to go left: it steers right, leans left, and turns left."
 TRAIL_CHANGE_MAX, HEAD_ANGLE_CHANGE_MAX = 0.12, 20.0  # [m], [degrees] to both sides
 SPIN_MIN = 2.0  # [%] of a wheel's inertia about its axle; a wheel without inertia would have no equation of its own
 CAMERA_DIRECTION = (-155.0, 16.0)  # [degrees] behind the rider, and a little to the right
@@ -46,7 +48,7 @@ def play(
     parameters: Parameters,
     *,
     speed: float = 5.0,
-    assist: float = 0.0,
+    assist: float = ASSIST_GAIN,
     torque: float = 2.0,
     dark: bool | None = None,
     port: int = 0,
@@ -59,7 +61,7 @@ def play(
     speed : float
         At the start [m/s].
     assist : float
-        k of a steer torque T = k lean_rate [N m s/rad], which steers into the fall.
+        k at the start of a steer torque T = k lean_rate [N m s/rad], which steers into the fall; 0 = none.
     torque : float
         Largest one of the rider about the steer axis [N m].
     dark, port
@@ -180,7 +182,17 @@ def controls_of(p: Parameters, speed: float, assist: float, torque: float) -> li
     torque, speed = number(torque, "play: torque", positive=True), number(speed, "play: speed")
     fastest, angle = min(max(12.0, 2.0 * speed), SPEED_MAX), 90.0 - float(np.degrees(p.lam))
     made = [
-        Control("steer torque", -torque, torque, 0.0, "N m", KEYS["steer torque"], "left stick", springs=True),
+        Control(
+            "steer torque",
+            -torque,
+            torque,
+            0.0,
+            "N m",
+            KEYS["steer torque"],
+            "left stick",
+            springs=True,
+            hint=STEERING_HINT,
+        ),  # fmt: skip
         Control("pedal", 0.0, PEDAL_TORQUE_MAX, 0.0, "N m", KEYS["pedal"], "right trigger", springs=True),
         Control("brake", 0.0, BRAKE_TORQUE_MAX, 0.0, "N m", KEYS["brake"], "left trigger", springs=True),
         Control("speed", 0.5, fastest, speed, "m/s", builds=True),

@@ -9,10 +9,9 @@ from scipy.interpolate import Akima1DInterpolator
 from scipy.optimize import brentq
 
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE_WIDTH_POINTS, Progress, Theme, new_figure, number, style_axes
+from mbsd3d.extend import LINE_WIDTH_POINTS, Progress, Theme, new_figure, number, style_axes, write_table
 
 from ..linear.equations import checked_list
-from ..output import write_table
 from ..parameters import Parameters
 from ..rides.motion import legend_above
 from .families import SECTION_STEERS, Family, Search, follow_all, special_points

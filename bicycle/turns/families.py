@@ -7,8 +7,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from mbsd3d.errors import InputError
+from mbsd3d.extend import Result
 
-from ..output import Result
 from ..parameters import Parameters
 from .turning import Turn, TurnSolver
 

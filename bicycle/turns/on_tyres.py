@@ -11,12 +11,11 @@ from scipy.optimize import root
 
 from mbsd3d import AssemblyError, Input, Signal, Solution, State, accelerations
 from mbsd3d.errors import InputError
-from mbsd3d.extend import LINE_WIDTH_POINTS, Rates, as_signal, cross, new_figure, number, style_axes
+from mbsd3d.extend import LINE_WIDTH_POINTS, Rates, as_signal, cross, new_figure, number, style_axes, write_table
 
 from ..model.kinematics import Pose, Y, Z, placed, steer_axis
 from ..model.mechanism import Bicycle, steer_torque, whipple
 from ..model.tyres import Tyres
-from ..output import write_table
 from ..parameters import Parameters
 from ..rides.motion import WHEELS
 from ..rides.ride import axle_torque

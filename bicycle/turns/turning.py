@@ -20,11 +20,10 @@ from scipy.optimize import brentq
 
 from mbsd3d import Linearization, State, accelerations, linearize, measures, simulate
 from mbsd3d.errors import InputError
-from mbsd3d.extend import DenseEquations, saddle_matrix
+from mbsd3d.extend import DenseEquations, Result, saddle_matrix
 
 from ..model.kinematics import Height, Pose, X, Y, Z, foot, placed, pose_of, steer_axis
 from ..model.mechanism import Bicycle, outputs, steer_torque, whipple
-from ..output import Result
 from ..parameters import Parameters
 from ..rides.motion import Ride
 

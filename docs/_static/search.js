@@ -18,3 +18,22 @@ document.addEventListener("DOMContentLoaded", () => {
     return [...pages.values()].filter((page) => page.words === most).map(({ result, score }) => result.with(4, score));
   };
 });
+
+/* Opened as a file, a page may fetch no other: the excerpts come from one script with the words of all pages. */
+if (location.protocol === "file:") {
+  const root = document.documentElement.dataset.content_root ?? "./";
+  let words;
+  window.fetch = async (address) => {
+    words ??= new Promise((done) => {
+      const script = document.createElement("script");
+      script.onload = script.onerror = () => done(window.EXCERPTS ?? {});
+      script.src = `${root}_static/excerpts.js`;
+      document.head.append(script);
+    });
+    const page = address.slice(root.length, -DOCUMENTATION_OPTIONS.FILE_SUFFIX.length);
+    const main = document.createElement("div");
+    main.setAttribute("role", "main");
+    main.textContent = (await words)[page] ?? "";
+    return { text: async () => main.outerHTML };
+  };
+}

@@ -43,8 +43,8 @@ def masses(context: click.Context, option: click.Parameter, text: str | None) ->
 @click.option("--R", "radius", type=float, default=1.0, show_default=True, help="Crank radius [m].")
 @click.option("--L", "rod_length", type=float, default=2.0, show_default=True, help="Rod length [m].")
 @click.option("--spacing", type=float, help="Bore spacing [m]; default: as in the layout.")
-@click.option("--masses", callback=masses, help=f"Such as piston=5,rod=4; names: {', '.join(MASSES)}.")
-@click.option("--gravity", type=(float, float), default=(0.0, 0.0), help="Along x and y [m/s^2].")
+@click.option("--masses", callback=masses, help=f"Masses, e.g. piston=5,rod=4; names: {', '.join(MASSES)}.")
+@click.option("--gravity", type=(float, float), default=(0.0, 0.0), help="Gravity along x and y [m/s^2].")
 @click.option("--driver", type=click.Choice(["block", "dyno"]), default="block", help="Where the torque reacts.")
 @click.option(
     "--gas", type=float, metavar="PEAK", help="LAYOUT or --pages: half sines of this peak [N] over the power strokes."
@@ -53,7 +53,9 @@ def masses(context: click.Context, option: click.Parameter, text: str | None) ->
 @click.option("--sweep", is_flag=True, help="LAYOUT: 2x over the rod length.")
 @click.option("--ways", is_flag=True, help="Every harmonic by phasor, planar sum and spatial model, and as published.")
 @click.option(
-    "--truth", is_flag=True, help="Published figures, all or of LAYOUT, beside what they assume and what is true."
+    "--truth",
+    is_flag=True,
+    help="Published figures, all or of LAYOUT, compared with their assumptions and the true values.",
 )
 @click.option("--pages", type=click.Path(), metavar="FOLDER", help="Write pages there: index.html and the engines.")
 def main(

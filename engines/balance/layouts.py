@@ -122,7 +122,7 @@ class LayoutOrName(Stored[Layout | str, Layout]):
 
     @staticmethod
     def convert(value: Any, what: str, part: Any) -> Layout:
-        """Return the layout itself, or that of a name; raise ValueError for an unknown name."""
+        """Return the layout itself, or look it up by name; raise ValueError for an unknown name."""
         return layout(value) if isinstance(value, str) else value
 
 

@@ -24,30 +24,35 @@ OPTIONS_BY_TARGET = {
 """What goes with what is studied."""
 
 
-@click.command()
+@click.command(epilog="Example: mbsd3d nvh inline_4 --rpm 3000 --page out")
 @click.argument("engine", metavar="[LAYOUT]", required=False)
 @click.option("--car", help="Car that holds the engine; see --list, or a file (.json).  [default: compact]")
-@click.option("--rpm", type=float, help="Speed [1/min]; default: half way between idle and redline.")
+@click.option("--rpm", type=float, help="Speed [1/min]; default: midway between idle and redline.")
 @click.option("--load", type=float, help="Share of full load; 0: motored, without gas.  [default: 1]")
 @click.option("--shafts", type=click.Choice(KINDS), help="Balance shafts, geared to the crank.")
 @click.option("--sweep", type=int, metavar="N", help="Full motions at N speeds from idle to redline.")
-@click.option("--cycles", type=int, metavar="N", help="Length of these motions, after half a second.  [default: 4]")
-@click.option("--active", is_flag=True, help="An active mount: skyhook, and feed-forward on the largest order.")
+@click.option(
+    "--cycles",
+    type=int,
+    metavar="N",
+    help="Length of these motions in engine cycles, after half a second.  [default: 4]",
+)
+@click.option("--active", is_flag=True, help="Use an active mount: skyhook, and feed-forward on the largest order.")
 @click.option("--shell", metavar="KIND", help="The car's shell: beam, plate, or a file of modes.  [default: beam]")
-@click.option("--sound", metavar="FILE", help="Write a run-up at the seat rail there, as heard (.wav).")
-@click.option("--road", help="The car on a road: a class, A (smooth) to H, or a file of x,left,right.")
+@click.option("--sound", metavar="FILE", help="Write the sound of a run-up at the seat rail to this file (.wav).")
+@click.option("--road", help="Drive the car on a road: a class, A (smooth) to H, or a file of x,left,right.")
 @click.option("--speed", type=float, help="With --road: speed of the car [m/s].  [default: 20]")
-@click.option("--page", metavar="FOLDER", help="Write a page (.html) there, with everything in motion.")
-@click.option("--export", metavar="FOLDER", help="Write engine, car and shell there, as files to edit.")
+@click.option("--page", metavar="FOLDER", help="Write a page (.html) with animations to this folder.")
+@click.option("--export", metavar="FOLDER", help="Write engine, car and shell to this folder, as files to edit.")
 @click.option("--valve", metavar="LAW", help="A valve on a cam: cycloidal, harmonic or polynomial; --rpm: of the cam.")
-@click.option("--follower", type=click.Choice(FOLLOWERS), help="With --valve: what runs on the cam.  [default: flat]")
-@click.option("--planes", is_flag=True, help="What planar models get right: exact, approximate, impossible.")
-@click.option("--list", "only_list", is_flag=True, help="List engines and cars and end.")
+@click.option("--follower", type=click.Choice(FOLLOWERS), help="With --valve: follower on the cam.  [default: flat]")
+@click.option("--planes", is_flag=True, help="Compare planar models with space: exact, approximate, impossible.")
+@click.option("--list", "only_list", is_flag=True, help="List engines and cars and exit.")
 def nvh(engine: str | None, only_list: bool, **options: Any) -> None:
     """Compute the loads of an engine on its bearings, its mounts and its car.
 
     LAYOUT is an engine with real dimensions, such as inline_4, or a file (.json) with one. Orders of forces and moments
-    on the block, loads of the main bearings, modes on the mounts, and what the mounts hand on: by a linear map over the
+    on the block, loads of the main bearings, modes on the mounts, and forces on the car: by a linear map over the
     speeds, and at one speed by the full motion of the crank train on its mounts. The exit code is 1 if the two differ
     by more than 1 %.
 

@@ -196,7 +196,7 @@ class Planes:
         ]  # fmt: skip
 
     def guides(self) -> list[Line]:
-        """Compare the front suspension kinematics over wheel travel; raise ValueError if it is no double wishbone."""
+        """Compare the front suspension kinematics over wheel travel; raise ValueError if it has no double wishbone."""
         car = ride_of(self.car, "whole", "C", SPEED).vehicle
         held, corner = car.guides[0], car.corners[0]
         heights = np.linspace(-WHEEL_TRAVEL, WHEEL_TRAVEL, 41)

@@ -94,7 +94,7 @@ def positive(found: Record, names: Iterable[str], what: str) -> None:
 
 
 def titled(title: Any, what: str) -> None:
-    """Raise ValueError for a title that is no text, or an empty one."""
+    """Raise ValueError for a title that is not a text, or an empty one."""
     if not isinstance(title, str) or not title.strip():
         raise InputError(f"{what}: title {title!r:.80}; give a few words")
 

@@ -39,12 +39,12 @@ def on_engine(study: Study) -> list[tuple[str, Rows]]:
     """Return (title, table) from the block to the forces on the car."""
     found = [("load on the block", loads(study))]
     if study.source.fitted:
-        found.append(("balance shafts fitted wrongly", faults(study)))
+        found.append(("balance shafts with assembly errors", faults(study)))
         if (of_pair := heights(study)) is not None:
-            found.append(("balance shafts apart in height", of_pair))
+            found.append(("balance shafts at different heights", of_pair))
     return [
         *found, ("main bearings", bearings(study)), ("modes on the mounts", modes(study)),
-        ("shapes of the modes", shapes(study)), ("mounts", mounts(study)), ("handed on to the car", handed_on(study)),
+        ("shapes of the modes", shapes(study)), ("mounts", mounts(study)), ("forces on the car", handed_on(study)),
     ]  # fmt: skip
 
 
@@ -67,7 +67,7 @@ def faults(study: Study) -> Rows:
     """Tabulate the remainder of the order of wrongly fitted balance shafts at the study's speed in closed form, and its
     difference to the engine with geared shafts in space, over the 1x force of a cylinder.
     """
-    rows = [["fault", "force [N]", "couple [N m]", "torque [N m]", "in space off by"]]
+    rows = [["fault", "force [N]", "couple [N m]", "torque [N m]", "error in space"]]
     preset, size = study.preset, study.preset.engine(study.rpm).single
     for fault in balance_shafts.FAULTS:
         fitted = balance_shafts.faulty(preset, study.source.fitted, fault)
@@ -90,7 +90,7 @@ def heights(study: Study) -> Rows | None:
     except InputError:
         return None
     best = abs(np.subtract(*(np.array(shaft.position) @ upright(preset.layout)[2, :2] for shaft in full)))
-    rows = [["apart in height [mm]", "roll 2x of inertia [N m]", "with gas at this load [N m]"]]
+    rows = [["difference in height [mm]", "roll 2x of inertia [N m]", "with gas at this load [N m]"]]
     for height in (0.0, best / 2, best, 1.5 * best):
         pair = tuple(balance_shafts.apart(preset, full, height))
         rolls = (abs(Source(preset, load, pair).at(study.rpm).six[4, 3]) for load in (0.0, source.load))
@@ -100,7 +100,7 @@ def heights(study: Study) -> Rows | None:
 
 def modes(study: Study) -> Rows:
     """Tabulate the rigid-body modes with their kinetic energy by direction [%]."""
-    rows = [["mode", "mostly", "Hz", *DIRECTIONS]]
+    rows = [["mode", "mainly", "Hz", *DIRECTIONS]]
     for k, mode in enumerate(study.modes, start=1):
         shares = (f"{round(100 * share, 1) + 0.0:.1f}" for share in mode.shares)
         rows.append([str(k), mode.main, f"{mode.frequency:.2f}", *shares])
@@ -111,7 +111,7 @@ def shapes(study: Study) -> Rows:
     """Tabulate the shapes of the rigid-body modes: motion of the centre of mass, scaled to 1 mm at the mount that moves
     most.
     """
-    rows = [["mode", "mostly", "Hz", "x", "y", "z [mm]", "about x", "about y", "about z [mrad]"]]
+    rows = [["mode", "mainly", "Hz", "x", "y", "z [mm]", "about x", "about y", "about z [mrad]"]]
     arms = np.array([mount.at for mount in study.placed]) - study.body.rigid.com
     for k, mode in enumerate(study.modes, start=1):
         heads = mode.shape[:3] + np.cross(mode.shape[3:], arms)
@@ -133,7 +133,7 @@ def mounts(study: Study) -> Rows:
 
 def handed_on(study: Study) -> Rows:
     """Tabulate the forces of the mounts on the car at the study's speed: by order, linear and in the full run."""
-    rows = [["order", "Hz", "engine [N]", "car [N]", "car / engine", "mount [N]", "full run off by [%]"]]
+    rows = [["order", "Hz", "engine [N]", "car [N]", "car / engine", "mount [N]", "full motion differs by [%]"]]
     here, (size, off), single = study.here, study.differences, study.preset.engine(study.rpm).single
     engine, car = (np.linalg.norm(np.abs(part), axis=-1) for part in (here.load[0, 1:, :3], here.total[0, 1:]))
     for k, order in enumerate(here.orders[1:]):
@@ -161,7 +161,7 @@ def sweep(found: Sweep, most: int | None = None) -> Rows:
     """Tabulate the largest force of a mount over the speed, linear and in the full motion, and their difference;
     ``most``: rows of a shorter table, with the speed of the largest difference.
     """
-    rows, count = [["1/min", "order", "linear [N]", "full motion [N]", "differ by [%]"]], found.map.rpm.size
+    rows, count = [["1/min", "order", "linear [N]", "full motion [N]", "difference [%]"]], found.map.rpm.size
     chosen = np.linspace(0, count - 1, min(most or count, count)).astype(int)
     for s in np.union1d(chosen, found.off.argmax()):
         linear, full = (np.abs(part[s, 1:]).max(axis=(1, 2)) for part in (found.map.force, found.full))
@@ -173,7 +173,7 @@ def sweep(found: Sweep, most: int | None = None) -> Rows:
 
 def felt(study: Study) -> Rows:
     """Tabulate the acceleration of the seat rail by order, at the study's speed and load and at idle."""
-    rows = [["", "order", "Hz", "x", "y", "z [mm/s2]"]]
+    rows = [["", "order", "Hz", "x", "y", "z [mm/s^2]"]]
     for one in (study, study.idling):
         seat = np.abs(one.cabin.seat(one.here)[0])
         for order, row in zip(one.here.orders, 1e3 * seat, strict=True):
@@ -187,7 +187,7 @@ def shell(study: Study) -> Rows:
     """Tabulate the elastic modes of the shell, and the motion of the seat rail and of the mount that moves most in each
     for a modal mass of 1 kg.
     """
-    rows, cabin = [["mode of the shell", "Hz", "damping", "seat rail", "hardest mount [1/sqrt(kg)]"]], study.cabin
+    rows, cabin = [["mode of the shell", "Hz", "damping", "seat rail", "most loaded mount [1/sqrt(kg)]"]], study.cabin
     sizes = (
         np.linalg.norm(part.reshape(len(part), -1, 3), axis=2).max(axis=1) for part in (cabin.at_seat, cabin.at_feet)
     )
@@ -202,8 +202,8 @@ def paths(study: Study) -> tuple[str, Rows]:
     parts = study.cabin.paths(study.here)[0]
     seat = parts.sum(axis=(1, 2))
     order, way = np.unravel_index(np.abs(seat).argmax(), seat.shape)
-    title = f"{study.here.orders[order]:g}x along {'xyz'[way]}: {1e3 * abs(seat[order, way]):.3g} mm/s2"
-    rows = [["mount", "force", "alone [mm/s2]", "phase [degrees]", "share [%]"]]
+    title = f"{study.here.orders[order]:g}x along {'xyz'[way]}: {1e3 * abs(seat[order, way]):.3g} mm/s^2"
+    rows = [["mount", "force", "alone [mm/s^2]", "phase [degrees]", "share [%]"]]
     for mount, forces in zip(study.placed, parts[order, :, :, way], strict=True):
         for name, path in zip("xyz", forces / seat[order, way], strict=True):
             alone, phase = 1e3 * abs(path * seat[order, way]), np.degrees(np.angle(path))
@@ -219,7 +219,7 @@ def bearings(study: Study) -> Rows:
     for bearing in study.bearings:
         radial = bearing.radial
         numbers = f"{radial.max():.0f}", f"{radial.mean():.0f}", f"{bearing.pressure / 1e6:.1f}"
-        rows.append([bearing.name, "", *numbers, f"{bearing.mean:.0f}", f"{bearing.hours:.3g}"])
+        rows.append([bearing.name, "", *numbers, f"{bearing.mean:.0f}", f"{float(f'{bearing.hours:.3g}'):g}"])
     return rows
 
 
@@ -228,7 +228,7 @@ def seat_rail(study: Study) -> str:
     if not study.shell_known:
         return ""
     here, idle = (float(rms(s.cabin.seat(s.here))[0]) for s in (study, study.idling))
-    return f"{1e3 * here:.3g} mm/s2 rms, at idle {1e3 * idle:.3g}"
+    return f"{1e3 * here:.3g} mm/s^2 rms, at idle {1e3 * idle:.3g}"
 
 
 def ripple(study: Study) -> str:
@@ -240,7 +240,7 @@ def ripple(study: Study) -> str:
     torque = gas + inertia
     energy = cumulative_simpson(torque - torque[:-1].mean(), x=angle, initial=0.0)
     uneven = np.ptp(energy) / (study.body.rotor * study.preset.engine(study.rpm).rate ** 2)
-    return f"{torque.min():.0f} to {torque.max():.0f} N m; alone it would turn unevenly by {100 * uneven:.2g} %"
+    return f"{torque.min():.0f} to {torque.max():.0f} N m; speed fluctuation of a free crank {100 * uneven:.2g} %"
 
 
 def facts(study: Study) -> list[tuple[str, str]]:
@@ -252,7 +252,7 @@ def facts(study: Study) -> list[tuple[str, str]]:
         gas = f"{study.load:.0%} load, mean torque {study.source.mean_torque:.1f} N m"
         pressure = f"peak {cycle.samples[1].max() / 1e5:.1f} bar, indicated mean {cycle.mean_pressure / 1e5:.2f} bar"
     found = [
-        ("engine", f"{p.title}; {p.displacement * 1e6:.0f} cm3, {p.bore * 1e3:g} x {p.stroke * 1e3:g} mm"),
+        ("engine", f"{p.title}; {p.displacement * 1e6:.0f} cm^3, {p.bore * 1e3:g} x {p.stroke * 1e3:g} mm"),
         ("running", f"{study.rpm:g} rpm, {gas}"),
         ("cylinder", pressure),
         ("masses", f"piston {p.piston_mass:g} kg, rod {p.rod_mass:g} kg, powertrain {study.body.mass:.1f} kg"),
@@ -260,10 +260,10 @@ def facts(study: Study) -> list[tuple[str, str]]:
         ("torque of the crank", ripple(study)),
         ("car", study.car.title),
         ("sag", f"{-1e3 * shift[2]:.2f} mm, turned by {np.degrees(np.linalg.norm(turn)):.3f} degrees"),
-        ("rolled by mean torque", f"{np.degrees(study.on_mounts.roll):.2f} degrees"),
+        ("roll under mean torque", f"{np.degrees(study.on_mounts.roll):.2f} degrees"),
         ("seat rail", seat_rail(study)),
         ("roll about torque-roll axis", f"{100 * built:.1f} % of a mode at {f_built:.2f} Hz"),
-        ("after decoupling", f"{100 * free:.4f} % at {f_free:.2f} Hz, mounts moved by up to "
+        ("after decoupling", f"{100 * free:.4g} % at {f_free:.2f} Hz, mounts moved by up to "
                              f"{1e3 * study.decoupled.moved:.0f} mm, rates by up to {study.decoupled.rates:.2f}"),
     ]  # fmt: skip
     return [(name, text) for name, text in found if text]

@@ -141,7 +141,7 @@ class Drawable(Mechanism):
         dark: bool | None = None,
         port: int = 0,
     ) -> "Play":
-        """Let the system move in real time, in a browser on this machine, and change its inputs meanwhile.
+        """Run the system in real time in a browser on this machine, and change its inputs meanwhile.
 
         The page has a slider and keys for each input, pause, reset, slow motion, curves of the last ten seconds, and
         saves the ride. The `Play` has ``.open()``, ``.wait()`` until Ctrl-C, ``.set(name, value)``, ``.t``,
@@ -168,13 +168,13 @@ class Drawable(Mechanism):
         title, dark
             As for `show`.
         port : int
-            Of this machine; 0 = any that is free.
+            On this machine; 0 = any free port.
 
         Raises
         ------
         ValueError
-            For an unknown input or one that prescribes a motion, a range the wrong way round or without the value at
-            the start, a port that is in use, a missing package.
+            For an unknown input or one that prescribes a motion, a reversed range or one without the value at the
+            start, a port that is in use, a missing package.
         AssemblyError, IntegrationError
             If the system cannot start.
 

@@ -11,6 +11,8 @@ from traceback import walk_tb
 from types import ModuleType
 from typing import Any, NamedTuple, cast
 
+import numpy as np
+
 from ..base.errors import InputError, similar
 from ..files.importing.imported import Imported
 from ..mechanism.state import State
@@ -30,6 +32,8 @@ READERS: Mapping[str, Callable[..., Imported]] = {
     ".xml": read_mjcf, ".mjcf": read_mjcf, ".urdf": read_urdf, ".xacro": read_urdf, ".sdf": read_sdf,
 }  # fmt: skip
 """Suffix of a model of another program -> its reader."""
+WITH_ROOT = (".urdf", ".xacro", ".sdf")
+"""Those whose files leave open whether the model floats."""
 
 
 def load_model(
@@ -39,28 +43,31 @@ def load_model(
     *,
     inputs: bool = False,
     floating: bool | None = None,
+    limits: str | None = None,
     package_paths: Sequence[str] = (),
 ) -> Loaded:
     """Return the System of a model file, an imported model or ``build()`` of a Python file, and notes on an import.
 
     ``drop``: kinds to leave out, or several with commas between them. ``settings`` are texts NAME=VALUE, the parameters
-    of ``build()``. ``inputs``, ``floating``, ``package_paths``: see `read_urdf`. ValueError naming the file and the
-    place in it.
+    of ``build()``. ``inputs``, ``floating``, ``limits``, ``package_paths``: see `read_urdf`. ValueError naming the file
+    and the place in it.
     """
     suffix = Path(file).suffix.lower()
     if settings and suffix != ".py":
         raise InputError(f"--set is for Python files with build(...), '{file}' is none; leave it out")
-    if floating is not None and suffix not in (".urdf", ".xacro"):
+    if floating is not None and suffix not in WITH_ROOT:
         option = "--floating" if floating else "--fixed"
-        raise InputError(f"{option} applies to robots (.urdf, .xacro) only; drop it for '{file}'")
+        raise InputError(f"{option} applies to robots ({', '.join(WITH_ROOT)}) only; drop it for '{file}'")
     if suffix in READERS:
         if inputs and suffix == ".sdf":
             raise InputError(f"--input takes motors of .xml and .urdf, '{file}' has none; leave it out")
-        given = {"floating": floating} if suffix in (".urdf", ".xacro") else {}
+        given: dict[str, Any] = {"floating": floating} if suffix in WITH_ROOT else {}
         given |= {"inputs": True} if inputs else {}
+        given |= {"limits": limits} if limits else {}
         return imported(file, suffix, drop, package_paths=tuple(package_paths), **given)
-    if drop or package_paths:
-        option, kinds = "--leave-out" if drop else "--package-path", ", ".join(READERS)
+    if drop or package_paths or limits:
+        option = "--leave-out" if drop else "--package-path" if package_paths else "--limits"
+        kinds = ", ".join(READERS)
         raise InputError(f"{option} applies to imported models ({kinds}) only; drop it for '{file}'")
     if suffix in (".json", ".toml"):
         return Loaded(System.from_file(file))
@@ -103,8 +110,8 @@ def in_options(message: str) -> str:
 def write_as(system: System, target: str, omit: Sequence[str], massless: bool, replace: bool) -> str:
     """Write a system in the format of the suffix of a file; return a line on it."""
     suffix = Path(target).suffix.lower()
-    if massless and suffix != ".urdf":
-        raise InputError(f"--massless is for .urdf; leave it out for '{target}'")
+    if massless and suffix not in (".urdf", ".sdf"):
+        raise InputError(f"--massless is for .urdf and .sdf; leave it out for '{target}'")
     if omit and suffix in (".toml", ".json"):
         raise InputError(f"--omit is for formats of other programs; leave it out for '{target}'")
     try:
@@ -116,7 +123,7 @@ def write_as(system: System, target: str, omit: Sequence[str], massless: bool, r
             case ".urdf":
                 return str(system.to_urdf(target, massless=massless, leave_out=omit, replace=replace))
             case ".sdf":
-                return str(system.to_sdf(target, leave_out=omit, replace=replace))
+                return str(system.to_sdf(target, massless=massless, leave_out=omit, replace=replace))
     except InputError as error:
         raise InputError(omitted(str(error))) from error
     raise InputError(f"--to {target}: the name ends in no format; give .toml, .json, .xml, .urdf or .sdf")
@@ -153,6 +160,13 @@ def built_by(file: str, settings: tuple[str, ...]) -> System:
 @contextmanager
 def builder(file: str) -> Iterator[Callable[..., Any]]:
     """Load ``build`` of a Python file; modules beside the file can be imported inside."""
+    with loaded(file) as module:
+        yield module.build
+
+
+@contextmanager
+def loaded(file: str) -> Iterator[Any]:
+    """Load a Python file with ``build``; modules beside the file can be imported inside."""
     path = Path(file)
     try:
         source = path.read_bytes()
@@ -162,10 +176,9 @@ def builder(file: str) -> Iterator[Callable[..., Any]]:
     module.__file__ = str(path)
     with importable(module, path.parent):
         guarded(file, lambda: exec(compile(source, str(path), "exec"), module.__dict__))
-        build = getattr(module, "build", None)
-        if not callable(build):
+        if not callable(getattr(module, "build", None)):
             raise InputError(f"'{file}' has no function build(); define build() and let it return a System")
-        yield build
+        yield module
 
 
 @contextmanager
@@ -208,7 +221,21 @@ def parameter_lines(build: Callable[..., Any]) -> list[str]:
 
 
 def given_parameters(build: Callable[..., Any], settings: Sequence[str], file: str) -> Mapping[str, Any]:
-    """Name -> value of texts NAME=VALUE; ValueError naming those there are."""
+    """Name -> value of texts NAME=VALUE; ValueError listing the valid names."""
+    known = parameters(build)
+    found = given_texts(build, settings, file)
+    return {name: typed(value, kind_of(known[name]), f"--set {name}") for name, value in found.items()}
+
+
+def given_values(build: Callable[..., Any], settings: Sequence[str], file: str) -> Mapping[str, list[Any]]:
+    """Name -> values of texts NAME=FROM:TO:COUNT, NAME=1,2,5 or NAME=3; ValueError naming those there are."""
+    known = parameters(build)
+    found = given_texts(build, settings, file)
+    return {name: values_of(text, kind_of(known[name]), f"--set {name}") for name, text in found.items()}
+
+
+def given_texts(build: Callable[..., Any], settings: Sequence[str], file: str) -> dict[str, str]:
+    """Name -> text of texts NAME=TEXT, each a parameter of ``build()``; those without a default must be there."""
     known, found = parameters(build), {}
     for text in settings:
         name, equals, value = text.partition("=")
@@ -221,7 +248,7 @@ def given_parameters(build: Callable[..., Any], settings: Sequence[str], file: s
             hint = f", did you mean '{near[0]}'?" if near else ";"
             have = "; ".join(parameter_lines(build)) or "none"
             raise InputError(f"--set {name}: '{file}' has no such parameter{hint} build() takes {have}")
-        found[name] = typed(value, kind_of(known[name]), f"--set {name}")
+        found[name] = value
     missing = [name for name, x in known.items() if x.default is x.empty and name not in found]
     if missing:
         have = "; ".join(parameter_lines(build))
@@ -229,6 +256,22 @@ def given_parameters(build: Callable[..., Any], settings: Sequence[str], file: s
             f"'{file}': build() needs {', '.join(missing)}; give --set {missing[0]}=VALUE. It takes {have}"
         )
     return found
+
+
+def values_of(text: str, kind: type | None, what: str) -> list[Any]:
+    """Return the values of FROM:TO:COUNT, both ends among them, of a list with commas, or of a single value."""
+    if ":" not in text or kind in (str, bool):
+        return [typed(part, kind, what) for part in text.split(",")]
+    try:
+        low, high, count = text.split(":")
+        values = np.linspace(float(low), float(high), int(count)).tolist()
+    except ValueError:
+        values = []
+    if not values:
+        raise InputError(f"{what}={text!r}: give FROM:TO:COUNT with a count of 1 or more, e.g. {what}=0.5:2:16")
+    if kind is int and any(value != round(value) for value in values):
+        raise InputError(f"{what}={text!r} is not whole everywhere; give a count that makes it so, or a list")
+    return [int(value) for value in values] if kind is int else values
 
 
 def parameters(build: Callable[..., Any]) -> dict[str, inspect.Parameter]:

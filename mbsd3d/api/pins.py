@@ -1,4 +1,4 @@
-"""`pin_stress`: the stresses of the pin of a joint over a run, at the moments at which they turn."""
+"""`pin_stress`: the stresses of the pin of a joint over a run, sampled at their extrema."""
 
 from collections.abc import Callable
 
@@ -37,8 +37,8 @@ def pin_stress(
 ) -> PinStress:
     """Return the stresses of the pin of a joint: shear, bending, and the bending of each fibre around it.
 
-    The reaction across the axis is taken in the axes of the part that holds the pin, so that a load that turns against
-    the pin loads its fibres as it does. The run is repeated with samples at the moments at which fibres turn.
+    The reaction across the axis is taken in the axes of the part that holds the pin, so that a load that rotates
+    relative to the pin loads its fibres in turn. The run is repeated with samples at the extrema of the fibre stresses.
 
     Parameters
     ----------
@@ -64,8 +64,8 @@ def pin_stress(
     Raises
     ------
     ValueError
-        If redundant constraints leave the reaction across the axis open, a joint does not turn or has no axis, or a
-        length is not positive.
+        If redundant constraints leave the reaction across the axis undetermined, a joint does not rotate or has no
+        axis, or a length is not positive.
 
     Examples
     --------
@@ -92,7 +92,7 @@ def pin_stress(
 
 
 def at_turning_points(solution: Solution, read: Callable[[Solution], np.ndarray]) -> Solution:
-    """Return a run with samples at the moments at which any column of what is read (samples, k) of it turns.
+    """Return a run with samples at the extrema of all columns (samples, k) of what is read from it.
 
     Every sample is one of the run itself; between two of them a parabola only says when to look. What is found does not
     overshoot, so that the way of all columns up and down can only grow, until it is known.

@@ -55,7 +55,7 @@ def play_model(
     Raises
     ------
     ValueError
-        For an option that makes no sense, a port in use, or a missing package.
+        For an invalid option, a port in use, or a missing package.
     AssemblyError, IntegrationError
         If the model cannot start.
     """

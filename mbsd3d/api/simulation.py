@@ -50,10 +50,10 @@ def simulate(
         Every accepted step, a number of equally spaced samples, or the sample times [s] (hit exactly).
     stop_when : Condition
         A measure compared with a value, e.g. ``measures.angle(hinge) > 1.2``; the run ends where it first comes true,
-        at a time as exact as the method. A rise above the value and back within one step is seen if it is the only
-        one of that step; ``max_step`` (or ``dt``) of the method bounds how short an event may be. A run may start at
-        the value: a condition that becomes false there by the sign of its rate is armed at once, another one when it
-        has been false; the certificate names one that never was.
+        at a time as exact as the method. A rise above the value and back within one step is detected if it is the only
+        one in that step; ``max_step`` (or ``dt``) of the method limits how short an event may be. A run may start at
+        the value: a condition that becomes false there, by the sign of its rate, is armed at once, any other once it
+        has been false; the certificate names one that was never armed.
     gyroscopic, centripetal, gamma, stabilisation, baumgarte
         Teaching switches: False drops w x I w, m w x (w x s), -J_dot v; stabilisation "none", "baumgarte" (with
         factors a [1/s] and b [1/s^2] of gamma -= a (J v - b) + b c) or "projection".
@@ -70,7 +70,7 @@ def simulate(
     Raises
     ------
     ValueError
-        For input that makes no sense.
+        For invalid input.
     IntegrationError
         With time, part and advice; ``error.solution`` holds the samples so far.
 
@@ -106,7 +106,7 @@ def accelerations(
     """Return accelerations and reactions at one state: a `Solution` with a single sample.
 
     ``accelerations(system, state).acceleration(body)[0]``, ``.reaction(joint).force[0]``, ``.effort(driver)[0]``.
-    The teaching switches drop the same terms as in `simulate`, and ``as_built`` [m] lets parts out of line be as there.
+    The teaching switches drop the same terms as in `simulate`, and ``as_built`` [m] permits the same misfit of parts.
 
     Examples
     --------

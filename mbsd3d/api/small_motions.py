@@ -140,11 +140,11 @@ def linearize(
 ) -> Linearization:
     """Return the linear equations of small motions about an equilibrium or a relative equilibrium.
 
-    States x are displacements on the constraint manifold (J of the holonomic rows), velocities that meet
-    ``J delta v + d(J v - b)/dq delta q = 0`` (all rows, nonholonomic ones too), and internal states of force elements,
-    all in world axes. About a steady motion that turns as a whole (precession of a top, a turn of a vehicle) they are
-    carried along: ``x_dot = A x`` with the generator of the turn subtracted. A is exact to rounding: derivatives are
-    complex steps, the row set is frozen.
+    States x are displacements on the constraint manifold (J of the holonomic rows), velocities that satisfy ``J delta v
+    + d(J v - b)/dq delta q = 0`` (all rows, including nonholonomic ones), and internal states of force elements, all in
+    world axes. About a steady motion that rotates as a whole (precession of a top, a vehicle in a curve) the axes
+    rotate with it: ``x_dot = A x`` with the generator of the rotation subtracted. A is exact to rounding: derivatives
+    are complex steps, and the set of rows is fixed.
 
     Parameters
     ----------
@@ -152,8 +152,8 @@ def linearize(
     state : State or None
         An equilibrium or a steady motion; None = ``system.state()``.
     outputs : sequence of Measure or None
-        y = L x whose rates depend on y alone: A is then the unique A_y with ``L A = A_y L``. Divides cyclic coordinates
-        out, which otherwise leave zeros with Jordan blocks.
+        y = L x whose rates depend on y alone: A is then the unique A_y with ``L A = A_y L``. This eliminates cyclic
+        coordinates, which otherwise give zero eigenvalues with Jordan blocks.
     tolerance : float
         Largest residual of the conditions of a steady motion, in units of the model's length and its fastest rate.
     gyroscopic, centripetal, gamma : bool
@@ -166,17 +166,17 @@ def linearize(
 
     Notes
     -----
-    Straight motion at constant speed is steady in world axes, also with wheels that spin, if they are symmetric about
-    their axes. A turn needs axes that turn along: there a displacement of everything, which stands still in the world,
-    shows as a pair of eigenvalues +-i Omega. A body that drifts through space while it turns is not covered, nor are
-    independent mechanisms that move at different speeds.
+    Straight motion at constant speed is steady in world axes, also with spinning wheels, if they are symmetric about
+    their axes. A curve needs axes that rotate with the motion: in these, a displacement of the whole system, which is
+    constant in the world, appears as a pair of eigenvalues +-i Omega. Bodies that drift through space while they rotate
+    are not covered, nor are independent mechanisms that move at different speeds.
 
     Raises
     ------
     ValueError
-        If the state is no (relative) equilibrium, the equations change along the motion (an unbalanced wheel), a
-        signal varies with time, the position is singular, nothing can move, or the outputs do not close; each with
-        the part and the residual.
+        If the state is not a (relative) equilibrium, the equations change along the motion (an unbalanced wheel), a
+        signal varies with time, the position is singular, nothing can move, or the outputs do not close; each with the
+        part and the residual.
     AssemblyError
         If the state does not meet a joint.
 
@@ -207,7 +207,7 @@ class FrequencyResponse(models.FrequencyResponse):
     w : (n,) array
         Frequencies [rad/s].
     H : (n, outputs, inputs) complex array
-        Output units per input unit; infinite where a pole on the axis is hit that the entry shows.
+        Output units per input unit; infinite at a pole on the imaginary axis that appears in the entry.
     at_poles : tuple of (float, str)
         These frequencies [rad/s], and which mode has the pole.
 
@@ -295,7 +295,8 @@ def state_space(
 
     Steady motions, nonholonomic and redundant rows as in `linearize`. Derivatives are complex steps and solutions of
     the linear equations of the accelerations, exact to rounding; those of a force by its own input are central
-    differences of order 8, exact to rounding where it is linear in the input, to some 1e-13 where not, as wind.
+    differences of order 8, exact to rounding if the force is linear in the input, to about 1e-13 otherwise, as for
+    wind.
 
     Parameters
     ----------
@@ -312,8 +313,8 @@ def state_space(
     inputs : sequence of Input or str, or None
         The inputs u in their order; None = all of the system.
     driver : "position" or "acceleration"
-        What is the input where a driver prescribes a motion: the motion u itself, so that outputs may depend on u' and
-        u''; or u'', with u and u' as further states (of a speed: u', with u as a state): always a proper model.
+        The input where a driver prescribes a motion: the motion u itself, so that outputs may depend on u' and u''; or
+        u'', with u and u' as further states (for a speed: u', with u as a state), which always gives a proper model.
     tolerance : float
         As in `linearize`.
 
@@ -328,7 +329,7 @@ def state_space(
     ValueError
         As `linearize`; for an input that is not in the system, acts in another way at another time of the motion, or
         prescribes what joints hold; for an output that changes along the motion, and for reactions that redundant
-        joints leave open.
+        joints leave undetermined.
 
     Examples
     --------
@@ -388,17 +389,17 @@ class Campbell(diagrams.Campbell):
 def campbell(system: System, *, spin: Joint | Measure, speeds: ArrayLike, state: State | None = None) -> Campbell:
     """Return the Campbell diagram: whirl frequencies of a rotor over its speed, sense of the orbits, critical speeds.
 
-    At each speed the system is linearised about the steady rotation. Modes are followed by their shape, from the last
+    At each speed the system is linearised about the steady rotation. Modes are tracked by their shape, from the last
     speed, where forward and backward ones are farthest apart, to the first.
 
     Parameters
     ----------
     system : System
-        Its rotors are symmetric about their axes, or the equations change as they turn and are refused.
+        Its rotors must be symmetric about their axes; otherwise the equations change as they turn, and are refused.
     spin : Joint or Measure
-        The hinge that turns at the speed, or `measures.omega` of a rotor that no joint holds, but bushings. Body a of
-        the hinge stands still, as a pedestal on springs; body b is the rotor. Where an AngleDriver or a SpeedDriver
-        turns the hinge it turns it at each of the speeds, whatever its signal.
+        The hinge that rotates at the speed, or `measures.omega` of a rotor that is held by bushings and no joint. Body
+        a of the hinge is at rest, such as a pedestal on springs; body b is the rotor. An AngleDriver or a SpeedDriver
+        on the hinge turns it at each of the speeds, whatever its signal.
     speeds : (n,) array_like
         Two or more, ascending [rad/s]; a critical speed between two of them is found to rounding.
     state : State or None

@@ -1,6 +1,6 @@
 """The public `Solution`: the result of a run, with plots, reports, pages and files."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from inspect import Parameter, Signature
 from pathlib import Path
@@ -12,6 +12,7 @@ from ..base.checks import number
 from ..base.errors import InputError, IntegrationError, argument_error, checks_method_arguments
 from ..base.fields import as_public
 from ..base.style import html_text
+from ..base.wording import counted
 from ..equations.compiled import Switches
 from ..integrators.dop853 import DOP853
 from ..mechanism.bodies import Body, Ground
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
 
 SWITCH_NAMES = tuple(x.name for x in fields(Switches))
 OPTION_NAMES = tuple(x.name for x in fields(RunOptions) if x.name != "switches")
+GIVEN = tuple(x.name for x in fields(RunResult) if x.init)
 CHANGEABLE_ARGUMENTS = Signature(
     [Parameter(name, Parameter.KEYWORD_ONLY, default=None) for name in ("t_end", "state", *OPTION_NAMES, *SWITCH_NAMES)]
 )
@@ -70,7 +72,8 @@ class Solution(RunResult, Viewable):
     def __repr__(self) -> str:
         span = f"{self.t[0]:g} ... {self.t[-1]:g} s" if self.t.size else "nothing"
         name = f" of {self.system.title!r}" if self.system.title else ""
-        return f"<solution{name}: {self.t.size} samples, {span}, by {self.record.method}; print(solution.certificate)>"
+        size = counted(self.t.size, "sample")
+        return f"<solution{name}: {size}, {span}, by {self.record.method}; print(solution.certificate)>"
 
     def _repr_html_(self) -> str:
         return html_text(f"{repr(self).strip('<>').partition('; print')[0]}\n{self.certificate}")
@@ -78,7 +81,7 @@ class Solution(RunResult, Viewable):
     @classmethod
     def of(cls, result: RunResult) -> "Solution":
         """Return the solution of a result: the same numbers."""
-        return cls(**{x.name: getattr(result, x.name) for x in fields(RunResult) if x.init})
+        return cls(**{name: getattr(result, name) for name in GIVEN})
 
     @property
     def certificate(self) -> Certificate:
@@ -89,8 +92,8 @@ class Solution(RunResult, Viewable):
         """Force [N] and moment [N m] of a force element on a body at its point, with power, stretch and internal
         states.
 
-        ``on`` None = body b of two, the last one of a `CustomForce`. ValueError for a body it does not act on, and
-        where the function of a `CustomForce` was not saved.
+        ``on`` None = body b of two, the last one of a `CustomForce`. ValueError for a body on which it does not act,
+        and if the function of a `CustomForce` was not saved.
         """
         return load_of(self, force, on)
 
@@ -136,14 +139,15 @@ class Solution(RunResult, Viewable):
         quantity : str, sequence of str and (str, part, ...), or None
             "energy", "momentum", "drift"; of bodies "position", "orientation", "velocity", "omega", "omega_body",
             "acceleration", "alpha", "com"; of joints "angle", "slide", "rate", "reaction"; of drivers "effort"; of
-            forces "state" (internal states). Several, e.g. ``["energy", ("angle", hinge)]``, are drawn one below the
-            other; None = the most telling ones, as on a page: what moves, energies, efforts of drivers, reactions.
+            forces "state" (internal states); of parts that switch at events "engaged" (1, else 0). Several, e.g.
+            ``["energy", ("angle", hinge)]``, are drawn one below the other; None = the default ones, as on a page:
+            coordinates that move, energies, efforts of drivers, reactions, engaged parts.
         *parts : Body, Joint, ForceElement or str
-            Whose; none = all that have it. Components of one part share a panel; several parts are compared component
-            by component (reactions: by magnitude).
+            Parts that have it; none = all of them. Components of one part share a panel; several parts are compared
+            component by component (reactions: by magnitude).
         against : str, measure or (str, part), optional
-            What is on the horizontal axis instead of time, e.g. ``plot("rate", hinge, against="angle")``; a name alone
-            is taken of the same parts. The start is marked.
+            Quantity on the horizontal axis instead of time, e.g. ``plot("rate", hinge, against="angle")``; a name alone
+            applies to the same parts. The start is marked.
         degrees : bool
             Angles in degrees instead of radians.
         dark : bool
@@ -187,10 +191,10 @@ class Solution(RunResult, Viewable):
         part : Body, Joint, ForceElement or str
             Whose; None for a measure.
         window : "none", "hann" or "flat top"
-            "none" is exact over whole periods. Windows are divided by their mean: a tone on a bin has its level; half a
-            bin off "hann" shows 0.849 of it, "none" 0.637, "flat top" 0.999.
+            "none" is exact over whole periods. Windows are divided by their mean: a tone on a bin keeps its level; half
+            a bin off, "hann" shows 0.849 of it, "none" 0.637, "flat top" 0.999.
         after : float or None
-            Samples before this time [s] are left out, as while a start dies out.
+            Samples before this time [s] are left out, e.g. until a transient has decayed.
 
         Returns
         -------
@@ -224,7 +228,7 @@ class Solution(RunResult, Viewable):
         quantity, part, after
             As in `spectrum`.
         segments : int
-            Lengths of a segment in the record: more of them scatter less and resolve less.
+            Number of segment lengths in the record: more of them reduce scatter and resolution.
 
         Returns
         -------
@@ -253,7 +257,7 @@ class Solution(RunResult, Viewable):
         quantity, part, after
             As in `spectrum`.
         per_turn : int
-            Samples a turn; orders up to half as many are seen.
+            Samples per turn; orders up to half as many are resolved.
 
         Returns
         -------
@@ -325,10 +329,10 @@ class Solution(RunResult, Viewable):
     ) -> "Report":
         """Make a page about a run: assessment, certificate, curves, degrees of freedom, and tables of all parts.
 
-        ``path``: where to write it too. ``title``: None = the names of the bodies. ``curves``: one figure each, as
-        `plot` takes them, None = the most telling ones. ``dark``: dark or light paper, None = as the reader's screen is
-        set; it prints on light paper anyway. ValueError for a solution without samples, an unknown quantity or part, or
-        a folder that cannot be written.
+        ``path``: where to write it too. ``title``: None = the names of the bodies. ``curves``: one figure each, as for
+        `plot`, None = the default ones. ``dark``: dark or light paper, None = as the reader's screen is set; it always
+        prints on light paper. ValueError for a solution without samples, an unknown quantity or part, or a folder that
+        cannot be written.
         """
         from ..report.page import make_report
 
@@ -337,12 +341,35 @@ class Solution(RunResult, Viewable):
     def save(self, path: str | Path) -> Path:
         """Write the solution and its system to one file without pickle, which `mbsd3d.load` reads back.
 
-        ".npz" is appended if missing; an existing file is replaced atomically. Of a `CustomForce` all but its function
-        is kept. Returns the file; ValueError if a part cannot be described or the folder cannot be written.
+        ".npz" is appended if missing; an existing file is replaced atomically. All but the function of a `CustomForce`
+        is saved. Returns the file; ValueError if a part cannot be described or the folder cannot be written.
         """
         from ..files.solutions import save
 
         return save(self, path)
+
+    def bundle(self, path: str | Path, *, attach: Iterable[str | Path] = (), comparison: Any = None) -> Path:
+        """Write the run with all that is needed to make it again, as evidence for others; `mbsd3d.verify` repeats it.
+
+        The file (.zip) holds the model, the settings, the samples, the certificate with the error estimate (made by two
+        tighter runs if it is not there yet), versions and processor, and a digest of each. ``attach``: files to add.
+        ``comparison``: the result of `validation.cross_check` for the same system and start: the limits that other
+        engines tend to, which `verify` reports.
+
+        Returns the file. ValueError for a run that was interrupted, that cannot be repeated, or whose model holds a
+        function, as a `CustomForce` does; IntegrationError where the estimate cannot be made.
+
+        >>> from tempfile import TemporaryDirectory
+        >>> from mbsd3d import Body, System, simulate, verify
+        >>> stone = Body("stone", 1.0, (0.1, 0.2, 0.3), velocity=(0, 0, 3.0), omega=(0.1, 2.0, 0))
+        >>> with TemporaryDirectory() as folder:
+        ...     print(verify(simulate(System([stone]), 1.0, output=11).bundle(f"{folder}/flight")).passed)
+        True
+        """
+        from ..files.bundles import write_bundle
+
+        known = self.certificate if self.certificate.error is not None else self.estimate()
+        return write_bundle(self.with_certificate(known), path, known, attach, comparison)
 
     def to_xarray(self) -> "Dataset":
         """Return all quantities as an xarray Dataset.

@@ -93,9 +93,9 @@ class Waterfall(spectra.Waterfall):
     Attributes
     ----------
     t : (n,) array
-        Middle of each window [s].
+        When the shaft is in the middle of the turns of each window [s].
     speeds : (n,) array
-        Mean speed of the shaft in each window [rad/s], positive.
+        Speed of the shaft there [rad/s], positive: the one to which an amplitude belongs that grows with its square.
     orders : (bins,) array
         Multiples of the speed.
     amplitudes : (n, bins) or (n, bins, k) complex array
@@ -115,7 +115,7 @@ class Waterfall(spectra.Waterfall):
     >>> run = simulate(System([arm], [hinge, motor]), 5.0, method=Kinematic(), output=100)
     >>> found = run.waterfall(hinge, "effort", "motor", turns=4)
     >>> found
-    <waterfall of effort of motor [N m]: 12 windows from 17.2745 to 55.775 rad/s, orders to 64>
+    <waterfall of effort of motor [N m]: 12 windows from 18.7437 to 55.8205 rad/s, orders to 64>
     >>> abs(found.at(1)).round(3)[[0, -1]]  # m g l
     array([4.905, 4.905])
     """

@@ -1,6 +1,7 @@
-"""`Stepper`: a simulation that goes on from time to time, with inputs that are set in between."""
+"""`Stepper`: a simulation that advances segment by segment, with inputs set in between."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -23,8 +24,9 @@ from .system import System
 class Stepper(metaclass=ChecksArguments):
     """A mechanism that is integrated segment by segment: for controllers, co-simulation, live runs and learning.
 
-    Everything a run has prepared stays as it is between two segments, so that each costs little more than its steps; a
-    segment is at least one step of the method. What `Input` signals are `set` to holds until the next change.
+    Everything that a run has prepared is kept between two segments, so that each costs little more than its steps; a
+    segment is at least one step of the method. A value to which an `Input` is `set` is held, or continued with a slope,
+    until the next change.
 
     Parameters
     ----------
@@ -32,7 +34,7 @@ class Stepper(metaclass=ChecksArguments):
     state : State or None
         Start; None = ``system.state()``.
     measures : sequence of measures
-        What `measured` gives, e.g. ``[measures.angle(hinge), measures.rate(hinge)]``.
+        What `measured` returns, e.g. ``[measures.angle(hinge), measures.rate(hinge)]``.
     method, rtol, as_built
         As for `simulate`. Steps of ``dt`` are fitted to each segment.
     keep : bool
@@ -43,7 +45,7 @@ class Stepper(metaclass=ChecksArguments):
     Raises
     ------
     ValueError
-        For input that makes no sense.
+        For invalid input.
     AssemblyError
         If the state does not meet the joints.
 
@@ -88,20 +90,34 @@ class Stepper(metaclass=ChecksArguments):
     def __repr__(self) -> str:
         return f"<stepper: at t = {self.t:g} s, by {self._run.options.method}>"
 
-    def set(self, key: Input | str, value: float) -> None:
-        """Give an input, by itself or by its name, a value that holds from now on.
+    def set(self, key: Input | str, value: float, slope: float = 0.0) -> None:
+        """Set an input, given as object or by name, to a value held from now on or continued with a slope.
+
+        From the time t of this call on it is ``value + slope (time - t)``, with the slope in its unit per second. If
+        two models set each other's inputs, the error is proportional to the time H between two changes with held
+        values, and to H^2 with the slopes of the last two: ``slope = (now - before) / H``.
 
         Raises
         ------
         ValueError
-            If the system has no such input, the value is not finite, or the input prescribes a motion, which must not
+            If the system has no such input, a number is not finite, or the input prescribes a motion, which must not
             jump.
+
+        Examples
+        --------
+        >>> from mbsd3d import Body, Force, Input, Stepper, System
+        >>> sled = Body("sled", 2.0, (0.1, 0.1, 0.1), velocity=(0, 0, 0), omega=(0, 0, 0))
+        >>> stepper = Stepper(System([sled], forces=[Force(sled, (Input("push"), 0, 19.62))]))
+        >>> stepper.set("push", 1.0, slope=6.0)
+        >>> stepper.advance(1.0)
+        >>> float(stepper.v[0].round(9)), stepper.inputs  # (1 + 6 / 2) / m
+        (2.0, {'push': 7.0})
         """
         name = key.name if isinstance(key, Input) else key
         for x in self._coupled:
             if name in x.controller.inputs.values():
                 raise InputError(f"Stepper: input '{name}' is set by '{x.controller.name}'; leave it to it")
-        self._run.set(key, value)
+        self._run.set(key, value, slope)
 
     def advance(self, t: float) -> None:
         """Integrate to time t [s]; the last step ends exactly there.
@@ -109,7 +125,7 @@ class Stepper(metaclass=ChecksArguments):
         Raises
         ------
         ValueError
-            If t does not lie ahead, or a table of a signal ends before.
+            If t is not later than the time reached, or a table of a signal ends before t.
         IntegrationError
             With time, part and advice; ``error.solution`` holds what was kept.
         """
@@ -123,9 +139,17 @@ class Stepper(metaclass=ChecksArguments):
             raise
 
     def snapshot(self) -> Snapshot:
-        """Return where the run is now, to `restore` later: for trials, predictive control, FMUs that step back.
+        """Return a snapshot of the run, to `restore` later: for trials, predictive control, FMUs that step back.
 
-        It costs a copy of the work space and of the samples kept so far; with ``keep=False`` there are none of these.
+        It costs a copy of the work space and of the samples kept so far; with ``keep=False`` there are none of these. A
+        controller in an FMU is restored from the state that the FMU reports, and is as exact as that state.
+
+        Raises
+        ------
+        ValueError
+            If the FMU of a controller does not offer its state.
+        IntegrationError
+            If such an FMU reports an error.
 
         Examples
         --------
@@ -141,24 +165,25 @@ class Stepper(metaclass=ChecksArguments):
         1.0 {'push': 4.0}
         -0.5 {'push': -2.0}
         """
-        if self._coupled:
-            raise InputError(
-                f"Stepper: snapshot: '{self._coupled[0].controller.name}' does not go back; take snapshots of runs "
-                "without controllers"
-            )
-        return self._run.snapshot()
+        kept = tuple(x.snapshot() for x in self._coupled)
+        return replace(self._run.snapshot(), controllers=kept)
 
     def restore(self, snapshot: Snapshot) -> None:
         """Continue from a snapshot of this stepper, to the last bit as it would have gone on from there.
 
-        Inputs have the values they had, `solution` has the samples kept until then. Also after an `IntegrationError`.
+        Inputs get the values that they had, and `solution` the samples kept until then. This also works after an
+        `IntegrationError`.
 
         Raises
         ------
         ValueError
             For a snapshot of another stepper.
+        IntegrationError
+            Where the FMU of a controller reports an error.
         """
         self._run.restore(snapshot)
+        for x, kept in zip(self._coupled, snapshot.controllers, strict=True):
+            x.restore(kept)
 
     @property
     def t(self) -> float:
@@ -188,8 +213,8 @@ class Stepper(metaclass=ChecksArguments):
 
     @property
     def inputs(self) -> dict[str, float]:
-        """Name of every input -> the value it has."""
-        return dict(self._run.inputs)
+        """Name of every input -> the value it has now."""
+        return self._run.inputs
 
     @property
     def state(self) -> State:
@@ -197,9 +222,9 @@ class Stepper(metaclass=ChecksArguments):
         return self._run.state
 
     def solution(self) -> Solution:
-        """Return what was kept: a sample at the start and end of every segment, taken before an input changes there.
+        """Return the samples kept: at the start and end of every segment, taken before an input changes there.
 
-        Its certificate judges the motion under the inputs as they were set; `estimate` and `at` repeat the segments.
+        Its certificate is for the motion under the inputs as they were set; `estimate` and `at` repeat the segments.
         """
         run = self._run.solution()
         run.record.coupled = tuple(x.note() for x in self._coupled)

@@ -1,6 +1,7 @@
 """The public `System`: a mechanism, and what can be asked of it."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,8 +10,10 @@ from numpy.typing import ArrayLike
 from ..base.checks import number
 from ..base.errors import checks_method_arguments
 from ..base.fields import part_class
-from ..base.style import counted, html_table
+from ..base.style import html_table
+from ..base.wording import counted
 from ..mechanism.bodies import Body
+from ..mechanism.couplings import GearMesh
 from ..mechanism.drivers import Driver
 from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint
@@ -45,9 +48,9 @@ class System(Drawable):
     gravity : (3,) array_like
         [m/s^2], world.
     name : str or None
-        Of the whole: the title of pages, reports and files; ``system.title`` reads it.
+        Of the whole system: the title of pages, reports and files; read it by ``system.title``.
     limits : sequence of Limit
-        Ranges of angles and slides that are watched: the certificate of a run says where it passes them.
+        Ranges of angles and slides that are watched: the certificate of a run says where they are exceeded.
     notes : sequence of str
         Sentences that the certificate of every run repeats, e.g. what an import left inactive.
 
@@ -77,6 +80,13 @@ class System(Drawable):
         notes: Sequence[str] = (),
     ) -> None:
         title = title if name is None else name
+        with suppress(TypeError):  # what is not a list of joints is refused below
+            joints = tuple(joints)
+            if any(isinstance(x, GearMesh) and x.mu is not None for x in joints):
+                from ..mechanism.forces.dry_friction import frictions_of_teeth
+
+                forces = tuple(forces)
+                forces += tuple(frictions_of_teeth(joints, forces))
         super().__init__(bodies, joints, forces, gravity, title=title, limits=limits, notes=notes)
 
     def __repr__(self) -> str:
@@ -111,8 +121,8 @@ class System(Drawable):
         """Find coordinates, rows, rank, mobility, redundant rows by joint, remedies and an assessment; see `Diagnosis`.
 
         as_built : float or None
-            Tolerance of the real parts [m]: misfits below it are taken up by play. None: 1e-5 m, of small mechanisms
-            1e-4 of their length.
+            Tolerance of the real parts [m]: misfits below it are taken up by play. None: 1e-5 m, or for small
+            mechanisms 1e-4 of their length.
         """
         from ..constraints.redundancy import diagnose
 
@@ -121,7 +131,8 @@ class System(Drawable):
     def state(self, *, as_built: float | None = None) -> State:
         """Return the initial state at the reference pose; velocities that are None are solved from the constraints.
 
-        Drivers that start elsewhere need `assemble`; one that starts whole turns on is fine where all bodies come back.
+        Drivers that start elsewhere need `assemble`; one that starts at whole turns is accepted if all bodies return to
+        the reference pose.
 
         as_built : float or None
             Tolerance [m] within which redundant rows may be violated, for parts built slightly out of line.
@@ -144,8 +155,8 @@ class System(Drawable):
         """Return a state that closes all joints and meets the given values and what drivers prescribe at ``t``.
 
         The mechanism moves there from its start, all values in proportion, so that angles count their turns in every
-        loop, of gears and of links. Of several motions the one in which joints move least is taken, and
-        ``state.notes`` says so; where a turn more or less depends on it, the error asks for another angle.
+        loop of gears or links. Of several motions the one in which joints move least is taken, and ``state.notes`` says
+        so; if the number of turns depends on the choice, the error asks for another angle.
 
         Parameters
         ----------
@@ -153,8 +164,8 @@ class System(Drawable):
         measures : mapping of a measure to its value
         pinned : bodies that do not move from their reference pose (or their pose in ``near``)
         near : State to start from; None = the reference pose, at rest
-            Its motion goes on: joints keep their rates, changed as little as joints, drivers and ``rates`` require, in
-            the sense of kinetic energy. A velocity that a body was given is met or refused as long as ``near`` has it.
+            Its motion continues: joints keep their rates, changed as little as joints, drivers and ``rates`` require,
+            in the sense of kinetic energy. A velocity given to a body is met or refused as long as ``near`` has it.
         t : time at which drivers are read [s]
 
         Raises
@@ -180,12 +191,12 @@ class System(Drawable):
         check_state(near, "assemble")
         return assemble(self, angles, slides, rates, measures, pinned, near, number(t, "assemble: t"))
 
-    def engage(self, joint: Joint, state: State) -> "Engagement":
+    def engage(self, joint: Joint, state: State) -> "Engagement[System]":
         """Return this system with a joint more, which engages at the pose of a state, and the motion after the impact.
 
-        Points and axes of the joint are given at the reference pose, as those of any joint, and rest in body a; body b
-        is taken as it stands. A `Distance` takes the length and a coupling of hinges the offset of that moment. The
-        impact is plastic: M (u - v) + J' L = 0 and J u = b over all joints, so momentum is kept.
+        Points and axes of the joint are given at the reference pose, like those of any joint, and are fixed in body a;
+        body b is held in its present pose. A `Distance` takes the length and a coupling of hinges the offset at that
+        moment. The impact is plastic: M (u - v) + J' L = 0 and J u = b over all joints, so momentum is kept.
 
         Parameters
         ----------
@@ -197,8 +208,8 @@ class System(Drawable):
         Returns
         -------
         Engagement
-            ``.system`` and ``.state`` to go on with, ``.joint`` as part of that system, ``.lost`` energy [J], ``.work``
-            of drivers [J], ``.impulse`` of the joint and ``.impulses`` of all joints by name [N s, N m s].
+            ``.system`` and ``.state`` to continue with, ``.joint`` as part of that system, ``.lost`` energy [J],
+            ``.work`` of drivers [J], ``.impulse`` of the joint and ``.impulses`` of all joints by name [N s, N m s].
 
         Raises
         ------
@@ -222,7 +233,7 @@ class System(Drawable):
         check_state(state, "engage", needed=True)
         return engage(self, joint, state)
 
-    def release(self, joint: Joint | str, state: State) -> "Engagement":
+    def release(self, joint: Joint | str, state: State) -> "Engagement[System]":
         """Return this system without a joint, and its state, in which hinges keep their count of turns.
 
         joint : Joint or str
@@ -237,13 +248,13 @@ class System(Drawable):
     def equilibrium(self, state: State | None = None) -> "Equilibrium":
         """Find the equilibrium that the mechanism reaches from a pose, moving downhill as if through honey.
 
-        Preloaded springs, gravity, internal states of forces and nonholonomic rows are taken as they are. A start that
-        is an equilibrium is returned as it is, also an unstable one.
+        Preloaded springs, gravity, internal states of forces and nonholonomic rows are included. If the start is an
+        equilibrium, even an unstable one, it is returned unchanged.
 
         Parameters
         ----------
         state : State or None
-            Where to start looking, its velocities do not matter; None = ``system.state()``.
+            Start of the search; its velocities do not matter. None = ``system.state()``.
 
         Returns
         -------
@@ -258,7 +269,7 @@ class System(Drawable):
         AssemblyError
             If the start does not meet a joint, or a driver moves.
         EquilibriumError
-            If it comes to no rest, with the body that still accelerates.
+            If it does not come to rest; names the body that still accelerates.
 
         Examples
         --------
@@ -278,9 +289,9 @@ class System(Drawable):
     def to_file(self, path: str | Path, *, replace: bool = False) -> Path:
         """Write the system to a model file that people can read and edit; every number comes back bit for bit.
 
-        ``path`` ends in .json or .toml; ``replace`` an existing file or refuse. Returns the file, which is written
-        whole or not at all. ValueError if the name ends otherwise, the file exists, the folder cannot be written, or a
-        part cannot be: one with a function (`CustomForce`) or of a class of your own.
+        ``path`` ends in .json or .toml; ``replace``: replace an existing file instead of refusing. Returns the file,
+        which is written completely or not at all. ValueError for another ending, an existing file, a folder that cannot
+        be written, or a part that cannot be written: one with a function (`CustomForce`) or of your own class.
 
         >>> from tempfile import TemporaryDirectory
         >>> from mbsd3d import Body, System
@@ -308,8 +319,8 @@ class System(Drawable):
         """Write the system as an FMU for co-simulation by FMI 3.0; it needs the extra ``fmu``.
 
         It runs where the host is Python with mbsd3d installed, as with FMPy; other hosts must load libpython first.
-        Inputs hold over a communication step; ``getFMUState`` and ``setFMUState`` go back and on as
-        `Stepper.snapshot` does. Units are base units and radians.
+        Inputs are held over a communication step; ``getFMUState`` and ``setFMUState`` work like `Stepper.snapshot` and
+        `restore`. Units are base units and radians.
 
         Parameters
         ----------
@@ -322,7 +333,8 @@ class System(Drawable):
         outputs : dict of name and measure, sequence of measures, or None
             None = ``hinge.angle``, ``hinge.rate``, ``rail.slide``, ``rail.slide_rate`` of all joints, and
             ``cart.position[1]``, ``cart.velocity[1]``, ``cart.omega[1]`` ... of all bodies. ``certificate.passed`` and
-            ``certificate.worst`` are always there.
+            ``certificate.worst`` are always there, ``certificate.work`` of the forces with inputs, and what holding
+            them may have ``certificate.created`` of it [J].
         parameters : sequence of str or (part, str)
             Numbers that the host may set before the start, e.g. "spring.stiffness", "bob.mass".
         method, rtol
@@ -355,10 +367,11 @@ class System(Drawable):
     ) -> "Exported":  # fmt: skip
         r"""Write the system as MJCF, the XML of MuJoCo, at its reference pose.
 
-        Trees of joints move there as here. Loops are closed by equalities, and gears, racks, screws and shafts of
-        constant velocity couple coordinates by equalities: these are springs there, and ``soft`` names them. Springs
-        and dampers between points and along hinges and sliders are written; drivers only where they hold a value.
-        Limits are not, as MuJoCo would enforce them.
+        Trees of joints move in MuJoCo as they do here. Loops are closed by equalities, and gears, racks, screws and
+        constant-velocity shafts couple coordinates by equalities: these are springs in MuJoCo, and ``soft`` names them.
+        Springs and dampers between points and along hinges and sliders are written; drivers only where they hold a
+        value. Limits are not written, since MuJoCo would enforce them. Shapes become geoms without contact; initial
+        velocities of bodies become the key frame "start".
 
         Parameters
         ----------
@@ -372,7 +385,7 @@ class System(Drawable):
         Returns
         -------
         Exported
-            ``.text``, ``.path``, ``.frames``, ``.soft``, ``.inactive``, ``.said``.
+            ``.text``, ``.path``, ``.frames``, ``.soft``, ``.inactive``, ``.said``, ``.meshes``.
 
         Raises
         ------
@@ -402,16 +415,16 @@ class System(Drawable):
         """Write the system as URDF: a tree of `Revolute`, `Prismatic`, `Planar` and `Fixed`, at its reference pose.
 
         The frame of a link is that of its joint: its origin is the point of the joint, its axes are those of the body;
-        ``frames`` maps it back. Dampers and limits of hinges and sliders are written. Gravity has no place in the
-        format, and a root that is free floats only where the reader is told so: ``said`` repeats it.
+        ``frames`` maps it back. Dampers and limits of hinges and sliders are written, and shapes. The format has no
+        place for gravity and velocities, and a free root floats only if the reader is told so: ``said`` reports this.
 
         Parameters
         ----------
         path : str, Path or None
             Ends in .urdf; None = only return the text.
         massless : bool
-            Write `Spherical`, `Universal` and `Cylindrical` as joints in a row over links without mass, which not all
-            readers take.
+            Write `Spherical`, `Universal` and `Cylindrical` as joints in a row over massless links, which not all
+            readers accept.
         leave_out, replace
             See `to_mjcf`.
 
@@ -438,19 +451,23 @@ class System(Drawable):
         return written(write_urdf(self, leave_out, massless), path, (".urdf",), replace)
 
     def to_sdf(
-        self, path: str | Path | None = None, *, leave_out: Sequence[Joint | ForceElement | str] = (),
-        replace: bool = False,
+        self, path: str | Path | None = None, *, massless: bool = False,
+        leave_out: Sequence[Joint | ForceElement | str] = (), replace: bool = False,
     ) -> "Exported":  # fmt: skip
         """Write the system as SDF, the format of Gazebo: a world with its gravity and one model, at the reference pose.
 
-        `Revolute`, `Prismatic`, `Spherical`, `Universal`, `Screw` and `Fixed` have joints of their own there, in loops
-        too. A `Gear` is a gearbox where both hinges are on one body, and else, as a `RackPinion`, the mimic of a
-        coordinate. Springs, dampers and limits of hinges and sliders are written.
+        `Revolute`, `Prismatic`, `Spherical`, `Universal`, `Screw` and `Fixed` have counterparts in the format, also in
+        loops. A `Gear` becomes a gearbox if both hinges are on one body; otherwise, like a `RackPinion`, the mimic of a
+        coordinate. Springs, dampers and limits of hinges and sliders are written, shapes, and velocities at the start
+        as a state of the world.
 
         Parameters
         ----------
         path : str, Path or None
             Ends in .sdf; None = only return the text.
+        massless : bool
+            Write `Cylindrical` and `Planar` as slides and a hinge in a row over massless links, and massless bodies as
+            such links. Not all readers accept them; Gazebo does not.
         leave_out, replace
             See `to_mjcf`.
 
@@ -475,7 +492,7 @@ class System(Drawable):
         from ..files.exporting.exported import written
         from ..files.exporting.sdf import write_sdf
 
-        return written(write_sdf(self, leave_out), path, (".sdf",), replace)
+        return written(write_sdf(self, leave_out, massless), path, (".sdf",), replace)
 
     @classmethod
     def from_file(cls, path: str | Path) -> "System":

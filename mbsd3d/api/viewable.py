@@ -3,7 +3,9 @@
 Systems (`mbsd3d.api.drawable`) use the same options: ``shown`` adds layers to the usual ones, ``hidden`` removes some.
 Usual are bodies, joints, springs and rods, traces, the ground grid, and names that fit. All layers:
 "bodies", "body names", "joints", "joint names", "springs and rods", "traces", "ground grid", "angular velocity",
-"angular momentum", "reaction force", "reaction moment", "centre of mass", "reference point".
+"angular momentum", "reaction force", "reaction moment", "engaged" (an arrow along the axis of a part that switches,
+while it holds), "inertia ellipsoids" (of bodies drawn as links: those without a shape between joints at two points or
+more), "centre of mass", "reference point".
 """
 
 from collections.abc import Sequence
@@ -19,6 +21,8 @@ if TYPE_CHECKING:
 
     from ..mechanism.bodies import Body, Ground
     from ..plotting.panels import Wanted
+    from ..view.explore.exploration import Exploration
+    from ..view.explore.ridden import Ride
     from ..view.page.html import View
     from ..view.page.live import LiveView
     from ..view.scene.overlays import Points
@@ -40,6 +44,9 @@ class AnimateOptions(TypedDict, total=False):
     follow: "Body | Ground | str | None"
     view: Sequence[float] | None
     beside: Motion | None
+    explore: "Exploration | None"
+    ride: "Ride | None"
+    captions: Sequence[tuple[float, str]]
 
 
 class Viewable(Motion):
@@ -73,6 +80,9 @@ class Viewable(Motion):
         follow: "Body | Ground | str | None" = None,
         view: Sequence[float] | None = None,
         beside: Motion | None = None,
+        explore: "Exploration | None" = None,
+        ride: "Ride | None" = None,
+        captions: Sequence[tuple[float, str]] = (),
     ) -> "View | LiveView":
         """Return a page that shows the motion in space and curves beside it; one HTML file that needs no network.
 
@@ -85,7 +95,7 @@ class Viewable(Motion):
             The page is also written there; ".html" is appended if missing.
         curves : list of quantities as `plot` takes them, or of (quantity, part, ...), optional
             None = the most telling ones; () = none. A mode has none.
-        traces : list of bodies, or of (body, world point at the reference pose [m]), optional
+        traces : list of bodies, of (body, world point at the reference pose [m]), or of (body, point, base), optional
             Points whose paths are drawn; None = centres of mass that move; () = none.
         shown, hidden : layer or list of layers, optional
             Added to and removed from the usual layers at the start, e.g. ["angular momentum"]; see
@@ -108,13 +118,20 @@ class Viewable(Motion):
         beside : Solution, optional
             Another run, of whose motion the first view of a page holds as much, and whose arrows have the same scale,
             so that two pages can be compared.
+        explore : Exploration, optional
+            Sliders, terms and a second run with which the page solves the mechanism itself.
+        ride : Ride, optional
+            Mechanism that the reader moves himself in the page, by keys or buttons.
+        captions : list of (time [s], text), optional
+            Sentences below the scene of a page, each from its time on; the film stops there for a moment.
         """
         from ..view.page.show import MotionOptions, animate
         from ..view.scene.drawing import Layers
 
         options = MotionOptions(
-            Layers(shown, hidden), curves, traces, frames, speed, title=title, follow=follow, view=view, beside=beside
-        )
+            Layers(shown, hidden), curves, traces, frames, speed, title=title, follow=follow, view=view, beside=beside,
+            explore=explore, ride=ride, captions=captions,
+        )  # fmt: skip
         return animate(self, path, options, dark, live)
 
     def picture(
@@ -138,7 +155,7 @@ class Viewable(Motion):
         ----------
         t : float, sequence of float, or None
             Time [s]; several = a multiple exposure; None = the last one.
-        traces : list of bodies, or of (body, world point at the reference pose [m]), optional
+        traces : list of bodies, of (body, world point at the reference pose [m]), or of (body, point, base), optional
             Points whose paths until then (of several times: from the first to the last) are drawn; None = centres of
             mass that move; () = none.
         shown, hidden : layer or list of layers, optional

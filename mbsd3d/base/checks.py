@@ -26,7 +26,7 @@ def short_repr(value: Any) -> str:
 
 
 def check_name(name: Any, what: str) -> None:
-    """Refuse a name that is no text, is empty, would command a terminal, or reads as something else than it is."""
+    """Refuse a name that is not a text, is empty, would command a terminal, or reads as something else than it is."""
     if not isinstance(name, str) or not name:
         raise InputError(f"{what} name {short_repr(name)}: give a non-empty text")
     if CONTROL_CHARACTERS.search(name):
@@ -76,7 +76,7 @@ def numbers(values: Any, what: str) -> np.ndarray:
 
 def check_choice(value: Any, choices: Sequence[Any], what: str) -> None:
     """Refuse anything but one of the choices."""
-    if not isinstance(value, Hashable) or value not in choices:
+    if (type(value) is not str and not isinstance(value, Hashable)) or value not in choices:
         raise InputError(f"{what} {short_repr(value)} is unknown; give {' or '.join(map(repr, choices))}")
 
 

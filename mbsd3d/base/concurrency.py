@@ -26,18 +26,49 @@ def _controller() -> ThreadpoolController:
     return ThreadpoolController()
 
 
-_INSIDE = local()  # .depth: how often this thread is inside `one_thread`
+class _Inside(local):
+    """How often a thread is inside `one_thread`."""
+
+    always = 0  # 1: the whole process is
+    depth: int
+
+    def __init__(self) -> None:
+        self.depth = _Inside.always
+
+
+_INSIDE = _Inside()
 
 
 @contextmanager
 def one_thread() -> Iterator[None]:
     """Let BLAS and LAPACK calls inside the block use one thread; a nested block costs nothing."""
-    depth = _INSIDE.depth = getattr(_INSIDE, "depth", 0) + 1
+    depth = _INSIDE.depth = _INSIDE.depth + 1
     try:
         with nullcontext() if depth > 1 else _controller().limit(limits=1):
             yield
     finally:
         _INSIDE.depth = depth - 1
+
+
+def keep_one_thread() -> None:
+    """Let BLAS and LAPACK calls of this process use one thread from now on, in all threads that begin after this."""
+    _controller().limit(limits=1)
+    _Inside.always = 1
+    _INSIDE.depth += 1
+
+
+@contextmanager
+def one_thread_for_all() -> Iterator[None]:
+    """Let BLAS and LAPACK calls of the process use one thread inside the block, also in threads that begin there.
+
+    Each of them would set and restore the number of the whole process, one while another computes.
+    """
+    with one_thread():
+        _Inside.always, before = 1, _Inside.always
+        try:
+            yield
+        finally:
+            _Inside.always = before
 
 
 def on_one_thread(function: Callable[P, T]) -> Callable[P, T]:

@@ -36,6 +36,7 @@ Kept = TypeVar("Kept")  # by the part
 P = TypeVar("P")
 Public = TypeVar("Public")
 FILE_VECTOR = Annotated[list[float], msgspec.Meta(min_length=3, max_length=3)]  # in files
+FILE_DIRECTION = FILE_VECTOR | str  # "x", "y", "z" too
 # in files: (3,), (4,) or (3, 3)
 FILE_ROWS = Annotated[list[float | FILE_VECTOR], msgspec.Meta(min_length=3, max_length=4)]
 
@@ -251,24 +252,24 @@ class VectorOrDerived(Stored[ArrayLike | None, np.ndarray]):
     convert = staticmethod(as_vector)
 
 
-class Direction(Stored[ArrayLike, np.ndarray]):
-    """A direction in world axes at the reference pose, kept as a unit vector."""
+class Direction(Stored[str | ArrayLike, np.ndarray]):
+    """A direction in world axes at the reference pose, "x", "y", "z" or three numbers, kept as a unit vector."""
 
-    accepts, file_type = "array_like", FILE_VECTOR
+    accepts, file_type = "str | array_like", FILE_DIRECTION
     convert = staticmethod(as_direction)
 
 
-class DirectionOrNone(Stored[ArrayLike | None, np.ndarray | None]):
+class DirectionOrNone(Stored[str | ArrayLike | None, np.ndarray | None]):
     """A direction, or None."""
 
-    accepts, file_type = "array_like | None", FILE_VECTOR
+    accepts, file_type = "str | array_like | None", FILE_DIRECTION
     convert = staticmethod(or_none(as_direction))
 
 
-class DirectionOrDerived(Stored[ArrayLike | None, np.ndarray]):
+class DirectionOrDerived(Stored[str | ArrayLike | None, np.ndarray]):
     """A direction; None = what follows from other fields."""
 
-    accepts, file_type = "array_like | None", FILE_VECTOR
+    accepts, file_type = "str | array_like | None", FILE_DIRECTION
     convert = staticmethod(as_direction)
 
 

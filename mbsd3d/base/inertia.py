@@ -49,6 +49,38 @@ def sphere(mass: float, radius: float) -> np.ndarray:
 
 
 @checks_arguments
+def ellipsoid(mass: float, radii: ArrayLike) -> np.ndarray:
+    """Return the moments of a solid ellipsoid with half axes ``radii`` (a, b, c): ``Ixx = m (b^2 + c^2) / 5``, cyclic.
+
+    >>> ellipsoid(5.0, (1.0, 2.0, 3.0))
+    array([13., 10.,  5.])
+    """
+    axes = as_tuple(radii, "ellipsoid: radii", "three half axes (a, b, c)")
+    if len(axes) != 3:
+        raise InputError(f"ellipsoid: {len(axes)} half axes given; give three (a, b, c)")
+    squares = np.array([_size(x, "ellipsoid", name) for x, name in zip(axes, "abc", strict=True)]) ** 2
+    return _size(mass, "ellipsoid", "mass") * (squares.sum() - squares) / 5.0
+
+
+@checks_arguments
+def capsule(mass: float, radius: float, length: float, axis: str = "z") -> np.ndarray:
+    """Return the moments of a solid capsule: a cylinder of ``length`` with half balls on its ends, beyond the length.
+
+    With the masses c of the cylinder and b of both half balls: along its axis ``c r^2 / 2 + 2 b r^2 / 5``, across
+    ``c (3 r^2 + l^2) / 12 + b (2 r^2 / 5 + l^2 / 4 + 3 r l / 8)``.
+
+    >>> capsule(5.0, 2.0, 0.0)  # a sphere
+    array([8., 8., 8.])
+    """
+    m, r, l = _size(mass, "capsule", "mass"), _size(radius, "capsule", "radius"), _size(length, "capsule", "length")
+    whole = l + 4.0 / 3.0 * r  # length of the cylinder of the same volume
+    c = m * l / whole if whole else m
+    b = m - c
+    across = c * (3.0 * r**2 + l**2) / 12.0 + b * (0.4 * r**2 + 0.25 * l**2 + 0.375 * r * l)
+    return _axial(0.5 * c * r**2 + 0.4 * b * r**2, across, axis, "capsule")
+
+
+@checks_arguments
 def rod(mass: float, length: float, axis: str = "z", radius: float = 0.0) -> np.ndarray:
     """Return the moments of a rod: ``m l^2 / 12`` across, nothing along; those of a `cylinder` if it has a radius.
 

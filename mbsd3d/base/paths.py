@@ -14,6 +14,7 @@ from pathlib import Path
 
 from .errors import InputError
 from .version import __version__
+from .wording import with_article
 
 FILE_NAME_BYTES_MAX = 255  # [bytes] of the name of a file; more is refused by most file systems
 # name of a file that is not whole yet: machine, process
@@ -146,7 +147,7 @@ def package_version() -> str:
 
 def read_text(path: Path, limit: int, kind: str = "model") -> str:
     """Read a text file; ValueError if it is missing, a folder or device, too large, empty or not UTF-8."""
-    one = f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
+    one = with_article(kind)
     try:
         state = path.stat()
         if not stat.S_ISREG(state.st_mode):

@@ -5,6 +5,9 @@ Functions of quaternions but `as_quaternion` work on stacks: any leading dimensi
 """
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import lru_cache
 
 import numpy as np
@@ -14,7 +17,9 @@ from .checks import floats, numbers, short_repr, vector
 from .errors import InputError, checks_arguments
 
 WORLD_AXES = np.eye(3)
+WORLD_AXES.setflags(write=False)
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+DIRECTION_FORMS = "'x', 'y', 'z' or a vector of three numbers"
 ORIENTATION_FORMS = "a unit quaternion (e0, e1, e2, e3), a 3x3 rotation matrix or rotation(axis, angle)"
 NORM_ROUNDING = 1e-15  # [1] of the length 1; a vector that is closer to it is kept: normalising twice changes nothing
 NORM_TOLERANCE = 1e-6  # [1] of the length 1: numbers typed with seven digits pass, a forgotten normalisation does not
@@ -52,9 +57,24 @@ def as_quaternion(orientation: ArrayLike, what: str = "orientation") -> np.ndarr
     if abs(norm - 1.0) > NORM_TOLERANCE:
         raise InputError(
             f"{what}: the quaternion {_text(values)} has norm {norm:.9g} instead of 1; "
-            f"divide it by its norm, or give rotation(axis, angle)"
+            f"give rotations.normalize(e) if its direction is right, or rotation(axis, angle)"
         )
     return values if abs(norm - 1.0) < NORM_ROUNDING else values / norm
+
+
+@checks_arguments
+def normalize(e: ArrayLike) -> np.ndarray:
+    """Return the unit quaternion e / |e| of e (..., 4), as of one read from a file with four digits.
+
+    ValueError for zero length, another shape or a number that is not finite.
+
+    >>> normalize((0.7, 0.0, 0.7, 0.0)).round(6)
+    array([0.707107, 0.      , 0.707107, 0.      ])
+    """
+    e = _stack(e, 4, "quaternion")
+    square = (e * e).sum(axis=-1, keepdims=True)
+    _check_nonzero(square)
+    return e / np.sqrt(square)
 
 
 def matrix(e: ArrayLike) -> np.ndarray:
@@ -97,19 +117,28 @@ def quaternion_from_matrix(R: ArrayLike) -> np.ndarray:
 
 def _unit_axis(axis: str | ArrayLike) -> np.ndarray:
     """Return the (3,) unit vector of a letter or of a vector of any length."""
-    remedy = "'x', 'y', 'z' or a vector of three numbers"
     if isinstance(axis, str):
-        if axis not in AXES:
-            raise InputError(f"rotation: axis is {short_repr(axis)}; give {remedy}")
-        return np.array(AXES[axis])
-    vector = floats(axis, "rotation: axis", remedy)
+        return np.array(_letter_axis(axis, "rotation: axis"))
+    vector = floats(axis, "rotation: axis", DIRECTION_FORMS)
     if vector.shape != (3,):
-        raise InputError(f"rotation: axis has shape {vector.shape}; give {remedy}")
+        raise InputError(f"rotation: axis has shape {vector.shape}; give {DIRECTION_FORMS}")
     largest = np.max(np.abs(vector))
     if largest == 0.0:
         raise InputError("rotation: axis has zero length, its direction is undefined; give a vector that is not zero")
     vector = vector / largest  # first to order 1, so that the squares cannot underflow or overflow
     return vector / np.linalg.norm(vector)
+
+
+def by_letter(axis: str | ArrayLike, what: str) -> ArrayLike:
+    """Return the unit vector of "x", "y" or "z", and what is not a text as it is."""
+    return np.array(_letter_axis(axis, what)) if isinstance(axis, str) else axis
+
+
+def _letter_axis(letter: str, what: str) -> tuple[float, float, float]:
+    """Return the axis of a letter."""
+    if letter not in AXES:
+        raise InputError(f"{what} is {short_repr(letter)}; give {DIRECTION_FORMS}")
+    return AXES[letter]
 
 
 def _check_rotation(R: np.ndarray, what: str) -> None:
@@ -238,7 +267,7 @@ def skew(a: ArrayLike) -> np.ndarray:
 
 def _check_nonzero(square: float | np.ndarray) -> None:
     """Refuse quaternions whose squares are zero or not finite."""
-    if not np.all((square > 0.0) & (square < np.inf)):
+    if not (0.0 < square < math.inf if isinstance(square, float) else np.all((square > 0.0) & (square < np.inf))):
         raise InputError("quaternion: one is zero or not finite, not an orientation; give unit quaternions")
 
 
@@ -250,8 +279,13 @@ def _stack(values: ArrayLike, length: int, what: str) -> np.ndarray:
     return array
 
 
-def unit(value: ArrayLike, what: str) -> np.ndarray:
-    """Return a (3,) unit vector along ``value``, which is kept if it is one; zero length is a ValueError."""
+def unit(value: str | ArrayLike, what: str) -> np.ndarray:
+    """Return a (3,) unit vector along ``value``, "x", "y", "z" or three numbers; a unit vector is kept.
+
+    ValueError for another letter and for zero length.
+    """
+    if isinstance(value, str):
+        return np.array(_letter_axis(value, what))
     axis = vector(value, what)
     length = math.sqrt(axis @ axis)
     if length < 1e-12:
@@ -288,7 +322,44 @@ def make_perpendicular(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 def perpendiculars(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return x and y, read-only, with (x, y, axis) right-handed and orthonormal; axis (3,) is a unit vector."""
-    return _perpendiculars(np.asarray(axis, float).tobytes())
+    found = CARRIED.get()
+    return _perpendiculars(np.asarray(axis, float).tobytes()) if found is None else found.next_to(axis)
+
+
+class Carried:
+    """Perpendiculars that follow their axes smoothly while a computation is repeated with other numbers.
+
+    Within `again`, call k takes what call k of the first time found, turned off the new axis. Otherwise each takes the
+    world axis that is least along the axis, and so jumps where that becomes another one.
+    """
+
+    def __init__(self) -> None:
+        self.known: list[np.ndarray] = []
+        self.calls: Iterator[np.ndarray] | None = None
+
+    @contextmanager
+    def again(self) -> Iterator[None]:
+        """Note the perpendiculars that are made within the block or, from the second time on, take those."""
+        self.calls = iter(self.known) if self.known else None
+        before = CARRIED.set(self)
+        try:
+            yield
+        finally:
+            CARRIED.reset(before)
+
+    def next_to(self, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return what the next call gets."""
+        z = np.array(axis, float)
+        known = None if self.calls is None else next(self.calls, None)
+        if known is None:
+            found = _perpendiculars(z.tobytes())
+            if self.calls is None:
+                self.known.append(found[0])
+            return found
+        return _beside(known, z)
+
+
+CARRIED: ContextVar[Carried | None] = ContextVar("perpendiculars that are carried along", default=None)
 
 
 @lru_cache(maxsize=1024)
@@ -306,13 +377,19 @@ def _perpendiculars(axis: bytes) -> tuple[np.ndarray, np.ndarray]:
 
 def matched_perpendiculars(axis: np.ndarray, axis_b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the perpendiculars of axis_b, read-only, that are nearest to those of axis."""
+    if CARRIED.get() is not None:
+        return _beside(perpendiculars(axis)[0], np.asarray(axis_b, float))
     return _matched_perpendiculars(np.asarray(axis, float).tobytes(), np.asarray(axis_b, float).tobytes())
 
 
 @lru_cache(maxsize=1024)
 def _matched_perpendiculars(axis: bytes, axis_b: bytes) -> tuple[np.ndarray, np.ndarray]:
     """Return them, read-only, by the bytes of both axes."""
-    (x, _), z = _perpendiculars(axis), np.frombuffer(axis_b)
+    return _beside(_perpendiculars(axis)[0], np.frombuffer(axis_b))
+
+
+def _beside(x: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the perpendiculars of z, read-only, that are nearest to x."""
     x = x - z * (x @ z)
     x /= math.sqrt(x @ x)
     y = cross(z, x)

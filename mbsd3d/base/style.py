@@ -5,7 +5,7 @@ A figure gets its colours explicitly (`style_axes`), and what matplotlib looks u
 """
 
 import html
-import re
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .checks import check_choice
+from .wording import SUPERSCRIPTS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -67,7 +68,8 @@ COM_COLOUR = "#e0e0e0"  # is seen inside bodies
 GROUND_GRID_GREYS = {"light": (190, 150), "dark": (52, 84)}  # [0 to 255] of thin and thick lines
 SECTOR_BRIGHTNESS = 0.72  # [1] of the darker sectors of round bodies, by which one sees them turn
 DECADES_MAX = 20  # [1] of a logarithmic axis, each with its label
-SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+REPR_LINES_MAX = 12  # [1] lines of a result in a console
+BOX_HEIGHT = "24em"  # of a result in a notebook: half a screen, the rest is scrolled
 MUTED_COLOUR, MUTED_SHARE = "#bebebe", 0.55  # grey that uncertain and auxiliary things are mixed with, and its share
 
 
@@ -159,19 +161,34 @@ def label_quarter_turns(axes: "Axes") -> None:
     axes.set_yticks(90.0 * np.arange(np.ceil(low), np.floor(high) + 1.0))
 
 
-def with_superscripts(text: str) -> str:
-    """Write ``m/s²`` for ``m/s^2``, where text is set for reading."""
-    return re.sub(r"\^(-?\d+)", lambda power: power[1].translate(SUPERSCRIPTS), text)
+class Result(ABC):
+    """Base of results: `str` says what was found, a console shows its first lines, a notebook a box to scroll."""
+
+    @abstractmethod
+    def __str__(self) -> str:
+        """Return what was found, line by line."""
+
+    def __repr__(self) -> str:
+        lines = str(self).splitlines()
+        if len(lines) > REPR_LINES_MAX:
+            kept = REPR_LINES_MAX - 1
+            lines[kept:] = [f"  ... {len(lines) - kept} more lines: print() shows all"]
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        """Return the text for a notebook."""
+        return f'<pre style="max-height:{BOX_HEIGHT};overflow:auto">{html.escape(str(self))}</pre>'
 
 
-def counted(number: int, word: str) -> str:
-    """Write a number with its noun: ``1 body``, ``2 bodies``."""
-    if number != 1:
-        word = word[:-1] + "ies" if word.endswith("y") else word + "s"
-    return f"{number} {word}"
+class Told:
+    """Base of results that a console tells in a few words: a notebook shows the same words in the same letters."""
+
+    def _repr_html_(self) -> str:
+        """Return the words for a notebook."""
+        return html_text(repr(self).strip("<>"))
 
 
-class Sampled:
+class Sampled(Told):
     """Dataclasses of arrays over the samples: they print by shapes and largest values."""
 
     def __repr__(self) -> str:

@@ -8,6 +8,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 
 from .paths import package_version, with_suffix, write_atomically
 from .style import DARK, LIGHT
+from .wording import digits, readable, relative
 
 TEMPLATE_FOLDER = Path(__file__).parent.parent / "templates"
 
@@ -31,9 +32,17 @@ class HtmlPage:
 def page_template(name: str, *folders: Path) -> Template:
     """Return a template from the folders, or of this package; every text that is put into it is escaped.
 
-    It knows the themes ``light`` and ``dark`` and the ``version`` of this package.
+    It knows the themes ``light`` and ``dark``, the ``version`` of this package, and how numbers are written: the
+    functions ``digits`` and ``relative``, and the filter ``readable`` for texts that terminals print too.
     """
     loader = FileSystemLoader([*folders, TEMPLATE_FOLDER])
     found = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    found.globals |= {"light": LIGHT, "dark": DARK, "version": package_version()}
+    found.globals |= {
+        "light": LIGHT,
+        "dark": DARK,
+        "version": package_version(),
+        "digits": digits,
+        "relative": relative,
+    }
+    found.filters["readable"] = readable
     return found.get_template(name)

@@ -9,6 +9,7 @@ from types import FrameType
 from typing import TypeVar
 
 from .errors import InputError
+from .wording import with_article
 
 T = TypeVar("T")
 __version__ = "0.2.0"
@@ -52,5 +53,8 @@ def load_entry(entry: metadata.EntryPoint, *kinds: type[T]) -> T:
         text = " ".join(str(error).split())
         raise InputError(f"{package} cannot be loaded: {type(error).__name__}: {text}; repair or remove it") from error
     if not isinstance(found, kinds):
-        raise InputError(f"{package} gives a {type(found).__name__}, not a {kinds[0].__name__}; repair or remove it")
+        raise InputError(
+            f"{package} gives {with_article(type(found).__name__)}, not {with_article(kinds[0].__name__)}; "
+            "repair or remove it"
+        )
     return found

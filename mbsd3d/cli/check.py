@@ -5,7 +5,7 @@ import click
 from .support import import_options, load_system, parameters_option, set_option
 
 
-@click.command()
+@click.command(epilog="Example: mbsd3d check door.toml")
 @click.argument("file")
 @import_options
 @set_option

@@ -91,7 +91,7 @@ def threads() -> list[str]:
     return [f"threads     {cores} of {os.cpu_count()} cores{'; ' if settings else ''}{' '.join(settings)}"]
 
 
-@click.command()
+@click.command(epilog="Example: mbsd3d doctor")
 def doctor() -> None:
     """Print versions, compiled kernels, threads and what is missing."""
     lines = [

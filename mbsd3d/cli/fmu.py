@@ -16,7 +16,7 @@ from .support import (
 )
 
 
-@click.command()
+@click.command(epilog="Example: mbsd3d fmu pendulum.toml --out pendulum.fmu")
 @click.argument("file")
 @click.option("--out", metavar="FILE.fmu", help="The FMU; default: the name of FILE, with .fmu, in this folder.")
 @click.option("--input", "inputs", multiple=True, metavar="NAME", help="An input of the FMU; default: all. Repeatable.")

@@ -25,7 +25,7 @@ def ranges(given: tuple[str, ...]) -> dict[str, tuple[float, float]]:
     return found
 
 
-@click.command()
+@click.command(epilog="Example: mbsd3d play pendulum.py")
 @click.argument("file")
 @click.option(
     "--input", "inputs", multiple=True, metavar="NAME=LOW:HIGH",
@@ -41,7 +41,7 @@ def play(
     file: str, inputs: tuple[str, ...], follow: str | None, rtol: float, port: int, drop: tuple[str, ...],
     settings: tuple[str, ...], help_parameters: bool,
 ) -> None:  # fmt: skip
-    """Simulate a mechanism in real time, in the browser, and change its inputs meanwhile.
+    """Simulate a mechanism in real time in the browser, and change its inputs during the run.
 
     FILE is a model file (.json, .toml), a model of MuJoCo (.xml, .mjcf), ROS (.urdf, .xacro) or Gazebo (.sdf), or a
     Python file with build(), which returns a System. Forces, torques and references of controllers that are Input

@@ -40,13 +40,13 @@ def method_of(name: str | None, dt: float | None, stiff: str | None) -> "Method"
     return getattr(mbsd3d, name)(**given)
 
 
-@click.command()
+@click.command(epilog="Example: mbsd3d run pendulum.py --t-end 2 --set mass=3 --view")
 @click.argument("file")
 @click.option("--t-end", type=float, default=5.0, show_default=True, help="End of the run [s].")
 @click.option("--method", type=click.Choice(METHODS), help="Integration method; default: DOP853.")
 @click.option("--dt", type=float, help="Fixed step [s] of the method.")
 @click.option(
-    "--stiff", type=click.Choice(["stop", "run"]), help="Whether DOP853 goes on with a stiff model; default: stop."
+    "--stiff", type=click.Choice(["stop", "run"]), help="Whether DOP853 continues with a stiff model; default: stop."
 )
 @click.option("--rtol", type=float, default=1e-8, show_default=True, help="Tolerance: a step may err by a fifth of it.")
 @click.option("--output", type=int, help="Number of equally spaced samples; default: every step.")

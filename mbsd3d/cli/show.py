@@ -14,7 +14,7 @@ from .support import (
 )
 
 
-@click.command()
+@click.command(epilog="Example: mbsd3d show robot.urdf")
 @click.argument("file")
 @import_options
 @pose_option

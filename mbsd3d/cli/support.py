@@ -13,6 +13,7 @@ import click
 from ..base.errors import CONTROL_CHARACTERS
 from ..base.progress import Heartbeat
 from ..base.version import load_entry
+from ..base.wording import counted
 from .interruption import INTERRUPT_EXIT_CODE, INTERRUPT_MESSAGE, answered_at_once, end_now
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from ..mechanism.state import State
     from ..view.page.served import Served
 
+SHORT_HELP_MAX = 500  # [characters] of a first sentence in a list of commands: all of them
 GROUP = "mbsd3d.commands"
 IMPORT_ERRORS = (ImportError, AttributeError, SystemError)
 """What a library makes of Ctrl-C while it is being loaded."""
@@ -45,11 +47,15 @@ def import_options(command: Callable[..., Any]) -> Callable[..., Any]:
         ),
         click.option(
             "--floating/--fixed", default=None, expose_value=False, callback=keep_reading,
-            help="Whether the root of a robot (.urdf, .xacro) can move; default: as the file suggests.",
+            help="Whether the root of a robot (.urdf, .xacro, .sdf) can move; default: as the file suggests.",
+        ),
+        click.option(
+            "--limits", type=click.Choice(["watched", "stop"]), expose_value=False, callback=keep_reading,
+            help="Limits of joints of an imported model: watched (default), or a stop for each.",
         ),
         click.option(
             "--leave-out", "--drop", "drop", multiple=True, metavar="KIND,...",
-            help="Leave out what acts and cannot be imported (.xml, .urdf, .sdf, ...), e.g. fluid,tendon.",
+            help="Leave out parts that act and cannot be imported (.xml, .urdf, .sdf, ...), e.g. fluid,tendon.",
         ),
     ):  # fmt: skip
         command = option(command)
@@ -70,7 +76,23 @@ class Failure(click.ClickException):
         click.echo(f"mbsd3d: {line}", err=True)
 
 
-class Commands(click.Group):
+class Listed(click.Group):
+    """A group whose help lists its commands with their whole first sentence."""
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the names of the commands and what each does, over several lines where one is too short."""
+        found = [(name, self.listed(ctx, name)) for name in self.list_commands(ctx)]
+        with formatter.section("Commands"):
+            formatter.write_dl(
+                [(name, command.get_short_help_str(SHORT_HELP_MAX)) for name, command in found if command]
+            )
+
+    def listed(self, ctx: click.Context, name: str) -> click.Command | None:
+        """Return what stands for a command in the list: the command, or one with its help alone."""
+        return self.get_command(ctx, name)
+
+
+class Commands(Listed):
     """Built-in commands and those of other packages (entry points ``mbsd3d.commands``), with errors in one line."""
 
     def __call__(self, *args: Any, **given: Any) -> Any:
@@ -162,12 +184,12 @@ set_option = click.option(
     "--set", "settings", multiple=True, metavar="NAME=VALUE", help="A parameter of build(...) of a Python file."
 )
 parameters_option = click.option(
-    "--help-parameters", is_flag=True, help="List the parameters of build(...) of a Python file and end."
+    "--help-parameters", is_flag=True, help="List the parameters of build(...) of a Python file and exit."
 )
 
 
 def list_parameters(file: str) -> NoReturn:
-    """List the parameters of build(...) of a Python file and end."""
+    """List the parameters of build(...) of a Python file and exit."""
     from ..api.model_input import parameters_of
 
     click.echo("\n".join(parameters_of(file)) or "no parameters")
@@ -258,7 +280,7 @@ def keep(solution: "Solution | None", target: Path) -> None:
         return
     with undisturbed():
         path = solution.save(target)
-    click.echo(f"{path}: {solution.t.size} samples up to t = {solution.t[-1]:.6g} s")
+    click.echo(f"{path}: {counted(solution.t.size, 'sample')} up to t = {solution.t[-1]:.6g} s")
 
 
 @contextmanager

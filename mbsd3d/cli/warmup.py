@@ -71,7 +71,7 @@ def compile_implicit() -> None:
     fill_cells(last_first=True)
 
 
-@click.command()
+@click.command(epilog="Example: mbsd3d warmup")
 def warmup() -> None:
     """Compile all kernels, so that later runs need not wait."""
     began = time.perf_counter()

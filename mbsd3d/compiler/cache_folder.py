@@ -8,6 +8,7 @@ import os
 import re
 import stat
 import sys
+from collections.abc import Iterable
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -16,27 +17,43 @@ import numba
 
 from .numba_private import cpu_target
 
-PACKAGE_FOLDER = Path(__file__).resolve().parent.parent
+COMPILER_FOLDER = Path(__file__).resolve().parent
+PACKAGE_FOLDER = COMPILER_FOLDER.parent
 PLAIN_NUMBA = os.environ.get("MBSD3D_PLAIN_NUMBA", "") == "1"  # no files and no late kernels: to look for a culprit
-KERNEL_DECORATOR_PATTERN = re.compile(rb"^\s*@\w*kernel\b", re.MULTILINE)
+KERNEL_DECORATOR_PATTERN = re.compile(rb"@\w*kernel\s")
+
+
+@cache
+def _compiled_texts() -> dict[Path, bytes]:
+    """Return all files of every folder that holds a kernel, and of this one: what kernels use is in one of them."""
+    found: dict[Path, bytes] = {}
+    for folder, inside, names in os.walk(PACKAGE_FOLDER):
+        inside.sort()
+        texts = {
+            Path(folder, name): _content(os.path.join(folder, name)) for name in sorted(names) if name[-3:] == ".py"
+        }
+        if Path(folder) == COMPILER_FOLDER or any(map(KERNEL_DECORATOR_PATTERN.search, texts.values())):
+            found |= texts
+    return found
+
+
+def _content(path: str) -> bytes:
+    """Return what a file holds, without a buffer: every start reads all sources of the package."""
+    with open(path, "rb", buffering=0) as file:
+        return file.read()
 
 
 def compiled_sources() -> list[Path]:
-    """Return all files of every folder that holds a kernel, and this one: what kernels use is in one of them."""
-    files = sorted(PACKAGE_FOLDER.rglob("*.py"))
-    folders = {
-        Path(__file__).resolve().parent,
-        *(path.parent for path in files if KERNEL_DECORATOR_PATTERN.search(path.read_bytes())),
-    }
-    return [path for path in files if path.parent in folders]
+    """Return the files whose text decides where compiled code is kept."""
+    return list(_compiled_texts())
 
 
-def _digest(sources: list[Path]) -> str:
+def _digest(texts: Iterable[bytes]) -> str:
     """Return the digest of sources that are compiled: numba alone misses an edit in a callee of another file."""
-    text = hashlib.sha256(numba.__version__.encode())
-    for path in sources:
-        text.update(path.read_bytes())
-    return text.hexdigest()[:16]
+    made = hashlib.sha256(numba.__version__.encode())
+    for text in texts:
+        made.update(text)
+    return made.hexdigest()[:16]
 
 
 def _absolute(text: str) -> Path | None:
@@ -100,9 +117,9 @@ def weak_folders(*folders: Path) -> str:
 
 # No other kernel uses the integrators: an edit there leaves the code of all others valid.
 INTEGRATORS_FOLDER = "integrators"
-CACHE_FOLDER = _cache_root() / _digest(compiled_sources())
-_EQUATIONS_SOURCES = [path for path in compiled_sources() if path.parent.name != INTEGRATORS_FOLDER]
-EQUATIONS_CACHE_FOLDER = CACHE_FOLDER.parent / _digest(_EQUATIONS_SOURCES)
+CACHE_FOLDER = _cache_root() / _digest(_compiled_texts().values())
+_EQUATIONS_TEXTS = [text for path, text in _compiled_texts().items() if path.parent.name != INTEGRATORS_FOLDER]
+EQUATIONS_CACHE_FOLDER = CACHE_FOLDER.parent / _digest(_EQUATIONS_TEXTS)
 
 
 # of numba, that change code

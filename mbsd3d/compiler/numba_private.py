@@ -23,6 +23,7 @@ try:
     from numba.core.funcdesc import PythonFunctionDescriptor  # how code from a file is called
     from numba.core.imputils import impl_ret_borrowed  # a field of a named tuple that is passed by address
     from numba.core.registry import cpu_target  # the processor, for the names of files
+    from numba.core.runtime import rtsys  # memory that code from a file may allocate
     from numba.core.serialize import dumps  # digest of what a function closes over
     from numba.core.typing import signature as signature_of  # types of code from a file
     from numba.core.typing.templates import AttributeTemplate  # types of the fields of a named tuple
@@ -86,7 +87,12 @@ def object_code(made: CompileResult) -> tuple[str, str, tuple[bytes, bytes]]:
 
 
 def rebuilt(target: object, parts: tuple) -> CompileResult:
-    """Return a compiled function from what a file holds of it."""
+    """Return a compiled function from what a file holds of it.
+
+    numba's own cache has all that the compiler can translate loaded first, a tenth of a second; code from a file needs
+    none of it, only what allocates memory.
+    """
+    rtsys.initialize(target)
     return CompileResult._rebuild(target, *parts)
 
 

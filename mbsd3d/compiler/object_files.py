@@ -98,7 +98,6 @@ class CodeFiles(NullCache):
 
     def load_overload(self, signature: Any, target: Any) -> CompileResult | None:
         """Load the compiled function; return None if it is not there, damaged or not to be trusted."""
-        target.refresh()
         content = self.read(self.path(signature, target))
         if content is None:
             return None

@@ -86,10 +86,13 @@ def blocks(content: bytes) -> list[bytes]:
 
 
 def environment(module: str, name: str) -> Environment:
-    """Return numba's environment of a compiled function, by its name: what the function's module holds."""
+    """Return numba's environment of a compiled function, by its name: what the function's module holds.
+
+    numba's own functions get none of theirs: no code reads them, and numba loads them only where it compiles.
+    """
     found = lookup_environment(name)
     if found is None:
-        found = Environment(sys.modules[module].__dict__)
+        found = Environment({"__name__": module} if module.startswith("numba.") else sys.modules[module].__dict__)
         found.env_name = name
         Environment._memo[name] = found
     return found

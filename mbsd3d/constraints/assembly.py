@@ -25,10 +25,10 @@ from .poses.pose_equations import CLOSED_GAP_MAX, displacements, gap_size, newto
 from .velocities import with_velocities
 
 
-def reference_pose(system: Mechanism, t: float = 0.0) -> State:
+def reference_pose(system: Mechanism, t: float = 0.0, coordinates: np.ndarray | None = None) -> State:
     """Return poses and internal states as described; velocities are zero."""
     q = np.concatenate([x for body in system.bodies for x in (body.position, body.orientation)])
-    return State(t, q, np.zeros(6 * len(system.bodies)), initial_states(system))
+    return State.of_numbers(t, q, np.zeros(6 * len(system.bodies)), initial_states(system), coordinates)
 
 
 def reference_state(system: Mechanism, as_built: float | None) -> State:
@@ -37,13 +37,13 @@ def reference_state(system: Mechanism, as_built: float | None) -> State:
     play = 0.0 if as_built is None else number(as_built, "as_built", positive=True)
     tolerance = max(CLOSED_GAP_MAX, play / compiled.model.length)
     data = compiled.data()
-    pose = closed_or_error(compiled, data, reference_pose(system), tolerance)
+    zero = np.zeros(compiled.model.coordinate.size)
+    pose = closed_or_error(compiled, data, reference_pose(system, 0.0, zero), tolerance)
     return with_velocities(compiled, data, pose, {}, tolerance=10.0 * tolerance)
 
 
 def closed_or_error(compiled: Compiled, data: Data, pose: State, tolerance: float) -> State:
-    """Return the pose, loaded into ``data``, with its hinge coordinates, or raise an AssemblyError with the joint."""
-    pose = replace(pose, coordinates=np.zeros(compiled.model.coordinate.size))
+    """Return the pose, loaded into ``data``, or raise an AssemblyError with the joint."""
     load_state(compiled, data, pose)
     if gap_size(compiled, data.row["c"]) <= tolerance:
         return pose

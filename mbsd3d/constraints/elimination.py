@@ -17,11 +17,11 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
-from scipy.cluster.hierarchy import DisjointSet
 
 from ..base.errors import InputError
 from ..equations.compiled import Compiled
 from ..equations.jacobian import BlockRows
+from ..equations.tree import Groups
 
 PIVOT_SHARE_MIN = 1e-3  # [1] of the row: least part of a pivot row on its body; bounds the growth of the remaining rows
 DENSE_CORE_ROWS = 64  # [rows] left for a dense decomposition; one of this size takes a millisecond
@@ -248,7 +248,7 @@ def parts_of(rows: BlockRows) -> list[Part]:
 
 def loop_weights(compiled: Compiled) -> np.ndarray:
     """Return 1 for the rows of a spanning tree of joints, 1e-4 for those that close loops."""
-    weights, trees = np.ones(compiled.model.row.size), DisjointSet(range(compiled.model.body.size + 1))
+    weights, trees = np.ones(compiled.model.row.size), Groups(compiled.model.body.size + 1)
     for joint in compiled.system.joints:
         first, *others = (compiled.body_index[id(body)] for body in joint.bodies())
         if not any([trees.merge(first, other) for other in others]):

@@ -10,7 +10,7 @@ kinetic energy, so momentum is kept and energy is lost. Where rows are redundant
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from scipy.sparse import csr_array, eye_array
@@ -21,7 +21,7 @@ from ..base.rotations import conjugate, matrix, multiply
 from ..base.style import html_table
 from ..equations.at_state import joint_point, load_state, worst_joint
 from ..equations.compiled import Compiled, compile_system
-from ..equations.dense_solvers import mass_matrix_of
+from ..equations.dense_solvers import mass_matrix_of, reflected_rows
 from ..equations.jacobian import BlockRows, block_rows, displacement_units, scaled
 from ..kernels import kinds
 from ..kernels.layout import Data, Model
@@ -59,15 +59,18 @@ class Impulse:
         return f"<impulse {force} N s, {moment} N m s{'' if self.unique else ', not unique'}>"
 
 
+M = TypeVar("M", bound=Mechanism)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class Engagement:
+class Engagement(Generic[M]):
     """A system after a joint has engaged or been released, and the state from which it moves on.
 
     ``joint`` is the part of the new system, None after a release. ``lost`` [J] is the energy that the impact takes,
     ``work`` [J] what drivers give to it; ``impulses`` has the impulse of every joint by name.
     """
 
-    system: Mechanism
+    system: M
     joint: Joint | None
     state: State
     lost: float
@@ -93,7 +96,7 @@ class Engagement:
         return html_table(repr(self).strip("<>"), ("joint", "impulse [N s]", "[N m s]", "unique"), rows)
 
 
-def engage(system: Mechanism, joint: Joint, state: State) -> Engagement:
+def engage(system: M, joint: Joint, state: State) -> Engagement[M]:
     """Engage a joint at a state; see `System.engage`."""
     joint = joint.joint if isinstance(joint, Engaged) else joint
     check_engaging(system, joint)
@@ -121,7 +124,7 @@ def check_closed(compiled: Compiled, data: Data, name: str, t: float) -> None:
         )  # fmt: skip
 
 
-def release(system: Mechanism, joint: Joint | str, state: State) -> Engagement:
+def release(system: M, joint: Joint | str, state: State) -> Engagement[M]:
     """Release a joint at a state; see `System.release`."""
     gone = system.part(joint, "joints")
     others: tuple[Joint | ForceElement, ...] = (*system.joints, *system.forces)
@@ -136,7 +139,7 @@ def release(system: Mechanism, joint: Joint | str, state: State) -> Engagement:
     return Engagement(new, None, pose, lost=0.0, work=0.0)
 
 
-def with_joints(system: Mechanism, joints: Sequence[Joint]) -> Mechanism:
+def with_joints(system: M, joints: Sequence[Joint]) -> M:
     """Return the system with other joints."""
     limits = [limit for limit in system.limits if limit.joint in joints]
     besides = system.besides() | {"limits": limits}
@@ -232,7 +235,7 @@ class Strike(NamedTuple):
     lost: float
     work: float  # of drivers
     rows: BlockRows
-    momenta: np.ndarray  # (6 n,) N s, N m s about O: what the rows give to each body, -J' L
+    momenta: np.ndarray  # (6 n,) N s, N m s about O: what rows and reflected inertias give to each body
 
 
 def strike(
@@ -252,10 +255,12 @@ def strike(
     with one_thread():
         u = least_energy(compiled, data, J[which], b[which], free, pose.v, [], 1e-8)
         change = M @ (u - pose.v)
+        rotors = reflected_rows(model, data).sparse()
+        spun = rotors.T @ (model.reflected["inertia"] * (rotors @ (u - pose.v)))
         lam[which] = multipliers(model, J[which], model.row["scale"][which], change)
     driven = model.row["drive"] >= 0
     work = -float(lam[driven] @ b[driven])
-    return Strike(u, lam, work - 0.5 * float((u + pose.v) @ change), work, rows, -(J.T @ lam))
+    return Strike(u, lam, work - 0.5 * float((u + pose.v) @ change), work, rows, -(J.T @ lam) - spun)
 
 
 def multipliers(model: Model, J: Matrix, scale: np.ndarray, change: np.ndarray) -> np.ndarray:
@@ -275,7 +280,7 @@ def impulses(compiled: Compiled, data: Data, rows: BlockRows, lam: np.ndarray) -
     N = redundant_combinations(rows.scaled(scale, compiled.model.length)) * scale[:, None]
     found = {}
     for k, part in enumerate(compiled.holders):
-        joint = part if isinstance(part, Joint) else part.partners()[0]
+        joint: Any = part if isinstance(part, Joint) or not part.partners() else part.partners()[0]
         own, body = np.flatnonzero(compiled.row_joint == k), compiled.body_index[id(joint.b)]
         if is_switching(part) and not lam[own].any():
             continue  # open, or not struck

@@ -46,10 +46,13 @@ def least(D: Matrix, A: Matrix, b: np.ndarray, f: np.ndarray | None = None, pass
     """
     n, m = D.shape[0], A.shape[0]
     f = np.zeros(n) if f is None else f
-    if isinstance(A, np.ndarray) and not proven(A):  # dense factors put large pivots before the damping, and lose it
-        D, A = csr_array(D), csr_array(A)
     try:
-        solve = dense_factor(D, A) if isinstance(A, np.ndarray) else sparse_factor(D, A)
+        if not isinstance(A, np.ndarray):
+            solve = sparse_factor(D, A)
+        elif proven(A):
+            solve = dense_factor(D, A)
+        else:  # dense factors put large pivots before the damping, and lose it
+            solve = splu(csc_array(damped(D, A))).solve
     except (RuntimeError, np.linalg.LinAlgError) as error:  # exactly singular
         raise AssemblyError(
             "the joints cannot be met: their equations are singular to the last digit",
@@ -74,13 +77,18 @@ def proven(A: np.ndarray, tolerance: float = 0.0) -> bool:
     return bool(zero == 0 and 1.0 > max(tolerance, SINGULAR_VALUE_RESOLUTION) * condition)
 
 
-def dense_factor(D: np.ndarray, A: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """Return a solver with the matrix above; raise a LinAlgError if it is singular."""
+def damped(D: np.ndarray, A: np.ndarray) -> np.ndarray:
+    """Return the matrix above (n + m, n + m)."""
     n, m = D.shape[0], A.shape[0]
     whole = np.zeros((n + m, n + m), order="F")
     whole[:n, :n], whole[:n, n:], whole[n:, :n] = D, A.T, A
     np.fill_diagonal(whole[n:, n:], -LEAST_SQUARES_DAMPING)
-    factor, pivots, zero = getrf(whole, overwrite_a=True)
+    return whole
+
+
+def dense_factor(D: np.ndarray, A: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """Return a solver with the matrix above; raise a LinAlgError if it is singular."""
+    factor, pivots, zero = getrf(damped(D, A), overwrite_a=True)
     if zero > 0:
         raise np.linalg.LinAlgError
     return lambda right: getrs(factor, pivots, right)[0]
@@ -99,7 +107,7 @@ def sparse_factor(D: csr_array, A: csr_array) -> Callable[[np.ndarray], np.ndarr
 def deficient(A: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, int]:
     """Return x (n,) of least length with least |A x - b|, and the rank of A (m, n)."""
     m, n = A.shape
-    if not m:
+    if not (m and n):
         return np.zeros(n), 0
     right = np.zeros(max(m, n))
     right[:m] = b

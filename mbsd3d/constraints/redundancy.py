@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 
-from ..base.style import html_text
+from ..base.style import Result
 from ..equations.at_state import joint_point, load_state, worst_joint
 from ..equations.compiled import Compiled, compile_system
 from ..equations.jacobian import BlockRows, scaled_rows
@@ -60,8 +60,8 @@ class Share:
         return f"{self.joint}: {self.involved} of {self.rows} rows in redundant sets, {text}"
 
 
-@dataclass(frozen=True)
-class Diagnosis:
+@dataclass(frozen=True, repr=False)
+class Diagnosis(Result):
     """Coordinates, rows and degrees of freedom of a mechanism, and an assessment.
 
     ``mobility`` counts the velocities left free by all rows, ``configuration_freedom`` those left by the holonomic rows
@@ -106,12 +106,9 @@ class Diagnosis:
             f"Gruebler count {self.gruebler}",
         ]
         lines += [f"  {share}" for share in self.shares]
-        lines += [f"  cure: {cure.text}" for cure in self.cures]
+        lines += [f"  remedy: {cure.text}" for cure in self.cures]
         lines += [f"  {text}" for text in self.notes]
         return "\n".join(lines)
-
-    def _repr_html_(self) -> str:
-        return html_text(str(self))
 
 
 def diagnose(system: Mechanism, as_built: float | None) -> Diagnosis:

@@ -12,6 +12,7 @@ import numpy as np
 import scipy.linalg
 
 from ..base.rotations import perpendiculars
+from ..base.wording import counted
 from ..equations.at_state import load_state
 from ..equations.compiled import Compiled, compile_system
 from ..equations.jacobian import BlockRows, block_rows
@@ -218,7 +219,7 @@ def describe(compiled: Compiled, chosen: list, lost: int) -> Cure:
             detail = axis_text(option)
             texts.append(f"'{name}' {type(joint).__name__} -> {type(option).__name__}{detail}")
     left = compiled.model.row.size - lost
-    return Cure(tuple(pairs), lost, f"{' and '.join(texts)} ({left} rows, all independent)")
+    return Cure(tuple(pairs), lost, f"{' and '.join(texts)} ({counted(left, 'row')}, all independent)")
 
 
 def axis_text(option: Joint) -> str:

@@ -12,13 +12,12 @@ from scipy.sparse import csr_array, vstack
 from ..base.checks import number, reporting_linalg_errors
 from ..base.concurrency import one_thread
 from ..base.errors import AssemblyError, InputError
-from ..dynamics.state_rates import PROJECTED, project_velocities
+from ..dynamics.state_rates import PROJECTED, largest_residuals, start_velocities
 from ..equations.at_state import coordinate_row, load_state
 from ..equations.compiled import Compiled
 from ..equations.dense_solvers import mass_matrix_of
 from ..equations.jacobian import block_rows, displacement_units, largest_in_rows, scaled
-from ..equations.tree import surely_regular, tree_at_start
-from ..kernels.kinematics import kinematics
+from ..equations.tree import repeated_rows, tree_at_start
 from ..kernels.layout import Data
 from ..mechanism.bodies import Body
 from ..mechanism.mechanism import Mechanism
@@ -74,9 +73,9 @@ def with_velocities(
     if model.singular:
         check_spins(compiled, data)
     elif not rates and near is None and not still:
-        v = velocities_by_tree(compiled, data, pose)
+        v = velocities_at_once(compiled, data, pose)
         if v is not None:
-            return State(pose.t, pose.q, v, pose.z, pose.coordinates)
+            return State.of_numbers(pose.t, pose.q.copy(), v, pose.z.copy(), pose.coordinates)
     rows, few, b = block_rows(model, data), model.body.size < SMALL_SYSTEM_BODIES_MAX, data.row["b"].copy()
     J = [rows.dense() if few else rows.sparse()]
     asked = []
@@ -107,29 +106,36 @@ def with_velocities(
     return State(pose.t, pose.q, v, pose.z, pose.coordinates)
 
 
+def velocities_at_once(compiled: Compiled, data: Data, pose: State) -> np.ndarray | None:
+    """Return the velocities (6 n,) where nothing has to be weighed: all are given, none moves, or no body has any.
+
+    v = 0 has the least kinetic energy where it meets J v = b and the given entries. None where there is more to do.
+    """
+    bodies, still = compiled.system.bodies, not data.row["b"].any()
+    if all([body.velocity is None and body.omega is None for body in bodies]):
+        return np.zeros(6 * len(bodies)) if still else velocities_by_tree(compiled, data, pose)
+    given = given_velocities(compiled.system)
+    if still and not given[~np.isnan(given)].any():
+        return np.zeros(given.size)
+    return None if data.row.size or np.isnan(given).any() else given
+
+
 def velocities_by_tree(compiled: Compiled, data: Data, pose: State) -> np.ndarray | None:
     """Return the velocities (6 n,) of least kinetic energy with J v = b by the factor that runs use.
 
-    None where a body was given a velocity, where the factor leaves a doubt that rows are independent, and where S has
-    lost digits. v is projected twice, the second time from rounding.
+    Rows that surely repeat others change nothing: v = M^-1 J' x has the least energy whatever x is. None where the
+    factor leaves a doubt which rows are independent, and where S has lost digits.
     """
-    model, n, bodies = compiled.model, compiled.model.body.size, compiled.system.bodies
-    if not model.row.size or any(body.velocity is not None or body.omega is not None for body in bodies):
-        return None
-    y = np.zeros(13 * n + model.state.size)
+    model, n = compiled.model, compiled.model.body.size
+    y, v = np.zeros(13 * n + model.state.size), np.empty(6 * n)
     y[: 7 * n] = pose.q
     tree = tree_at_start(compiled, data, pose.q, pose.t)
     factor(model, data, tree)
-    if not surely_regular(tree) or tree.state["graded"]:
+    if repeated_rows(tree) is None or tree.state["graded"] or start_velocities(model, data, tree, y, v) != PROJECTED:
         return None
-    for _ in range(2):
-        if project_velocities(model, data, tree, y) != PROJECTED:
-            return None
-        kinematics(model, data, y)
-    v = np.concatenate([data.body["velocity"][:n], data.body["w"][:n]], axis=1).ravel()
-    b, scale = data.row["b"], model.row["scale"]
-    slip = np.abs((block_rows(model, data).times(v) - b) * scale).max()
-    return v if slip <= VELOCITY_ROUNDING * max(1.0, float(np.abs(b * scale).max())) else None
+    b = data.row["b"]
+    _, slip = largest_residuals(model, data, np.arange(b.size))
+    return v if slip <= VELOCITY_ROUNDING * max(1.0, float(np.abs(b * model.row["scale"]).max())) else None
 
 
 def least_energy(

@@ -10,11 +10,14 @@ from typing import TYPE_CHECKING, NamedTuple
 from matplotlib.figure import Figure
 
 from ..base.errors import InputError
+from ..base.wording import yes_or_no
 from .figure import Panel, figure_of
 
 if TYPE_CHECKING:
     from ..api.solution import Solution
     from ..api.viewable import AnimateOptions
+
+YES_OR_NO = "yes or no"  # in place of the unit, of 1 and 0
 
 
 @dataclass(frozen=True)
@@ -38,6 +41,15 @@ class Row:
     def name(self) -> str:
         """Return the name of the quantity for programs."""
         return self.key or re.sub(r"\W+", "_", self.quantity).strip("_")
+
+    @property
+    def label(self) -> str:
+        """Return the quantity with its unit."""
+        return f"{self.quantity} [{self.unit}]" if self.unit not in ("", YES_OR_NO) else self.quantity
+
+    def text(self, value: float, form: Callable[[float], str]) -> str:
+        """Format the computed value, or that of theory, by a function for numbers."""
+        return yes_or_no(value) if self.unit == YES_OR_NO else form(value)
 
     @property
     def error(self) -> float:

@@ -12,7 +12,8 @@ from matplotlib.lines import Line2D
 from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import ArrayLike
 
-from ..base.style import COLOURS, GREY, LIGHT, with_superscripts
+from ..base.style import COLOURS, GREY, LIGHT
+from ..base.wording import relative, with_superscripts
 from .panel_drawing import (
     GLOBE_VIEW,
     every,
@@ -25,6 +26,7 @@ from .panel_drawing import (
     theory_dots,
 )
 
+TIME_AXIS = "time [s]"  # label of what is drawn over the time of the run
 PANELS_PER_ROW_MAX = 3  # [1] panels side by side
 ABLATION_RANGE_RATIO = 6  # [1] of the computed range, beyond which an ablation leaves the picture
 FLAT_RANGE_RATIO = 1e-6  # [1] of its size; a smaller range is rounding, and the line looks level
@@ -60,7 +62,7 @@ class Curve(Drawn):
     x: ArrayLike
     y: ArrayLike
     theory: tuple[ArrayLike, ArrayLike] | None = None
-    along: str = "time [s]"
+    along: str = TIME_AXIS
     title: str = ""
     scale: float = 0.0  # the axis reaches as far as this to both sides of zero
     name: str = "computed"
@@ -103,7 +105,7 @@ class Curve(Drawn):
             axes.plot([], [], "--", color=GREY, label=ablated)
         if self.logarithmic:
             axes.set_yscale("log")
-            plain_decades(axes, ":.0e")
+            plain_decades(axes)
         limit(axes, self, other)
         for drawn in dashed:
             end(drawn, *axes.get_ylim())
@@ -201,7 +203,7 @@ class Table(Drawn):
             tint, weight = (LIGHT.good, "normal") if good[i, j] else (LIGHT.bad, "bold")
             axes.fill([j, j + 1, j + 1, j], [i, i, i + 1, i + 1], color=tint, edgecolor=LIGHT.paper, linewidth=2)
             axes.text(
-                j + 0.5, i + 0.5, f"{value:.0e}", ha="center", va="center", fontsize=8, weight=weight, color=LIGHT.ink
+                j + 0.5, i + 0.5, relative(value), ha="center", va="center", fontsize=8, weight=weight, color=LIGHT.ink
             )
         axes.set(xlim=(0, len(self.columns)), ylim=(len(self.rows), 0), xlabel=self.label)
         axes.set_xticks(np.arange(len(self.columns)) + 0.5, self.columns, rotation=35, ha="right", fontsize=9)
@@ -224,6 +226,7 @@ class Points(NamedTuple):
         theory_dots(axes, *self.computed, label="computed")
         axes.plot(*self.here, "o", color=COLOURS[1], label="computed here")
         axes.set(xlabel=self.curve.along, ylabel=self.curve.label)
+        widen(axes, joined([self.curve.y, self.computed[1]]))
         legend_below(axes, 3)
 
 
@@ -258,10 +261,16 @@ def limit(axes: Axes, curve: Curve, other: Curve | None) -> None:
     span, size = np.ptp(y), np.abs(y).max()
     beside = joined([other.y]) if other is not None else np.zeros(1)
     if span <= max(FLAT_RANGE_RATIO * size, FLAT_RANGE_RATIO**2 * np.abs(beside).max()):
-        if np.ptp(axes.get_ylim()) < FLAT_RANGE_RATIO * size:
-            axes.set_ylim(y.mean() - 0.1 * size, y.mean() + 0.1 * size)
+        widen(axes, y)
     elif curve.scale or np.ptp(beside) > ABLATION_RANGE_RATIO * span:
         axes.set_ylim(y.min() - 0.3 * span, y.max() + 0.3 * span)
+
+
+def widen(axes: Axes, y: np.ndarray) -> None:
+    """Give an axis that shows nothing but rounding a range by the size of its values."""
+    size = np.abs(y).max(initial=0.0)
+    if np.ptp(axes.get_ylim()) < FLAT_RANGE_RATIO * size:
+        axes.set_ylim(y.mean() - 0.1 * size, y.mean() + 0.1 * size)
 
 
 def end(line: Line2D, low: float, high: float) -> None:

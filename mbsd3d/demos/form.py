@@ -15,6 +15,8 @@ from ..api.solution import Solution
 from ..api.system import System
 from ..api.viewable import AnimateOptions
 from ..base.errors import InputError, MbsError
+from ..mechanism.state import State
+from ..view.explore.ridden import Ride
 from .base import Outcome, Row, Show
 from .figure import PANELS_PER_ROW_MAX, Curve, Drawn, Panel, Points, same
 from .parameters import OMITTABLE_TERMS, Values, checked, lacking, listed, refusing
@@ -45,6 +47,41 @@ class Against(NamedTuple):
     high: float
     label: str  # with its unit in brackets
     computed: int = 5
+
+
+class Control(NamedTuple):
+    """Parameter that a reader of the page moves, or an item of one, "w[1]"; the mechanism starts as it says."""
+
+    parameter: str
+    low: float
+    high: float
+    unit: str = ""
+    label: str = ""
+    logarithmic: bool = False
+
+
+class Beat(NamedTuple):
+    """Sentence of the story at its moment of the film with the first parameters: a time [s], or found in the run."""
+
+    at: float | Callable[[Solution], float]
+    says: str
+
+
+class Symbol(NamedTuple):
+    """Meaning of a letter of the equation, and where its value is seen on the page.
+
+    ``value`` names a parameter, or is a function of the parameters it names; ``curve`` is a line, as (curve, line), of
+    the curves that are shown, whose value changes with the time; ``arrow`` is a kind of arrows.
+    """
+
+    text: str
+    unit: str = ""
+    value: str | Callable[..., float] = ""
+    curve: tuple[int, int] | None = None
+    arrow: str = ""
+
+
+GRAVITY = Symbol("weight of a kilogram", "N/kg", lambda: 9.81)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +115,7 @@ class Ablation:
 @dataclass(frozen=True, eq=False)
 class Demo:
     """Demo of one effect. Its module defines ``mechanism``, ``measure`` and ``theory``, each called with the parameters
-    it names.
+    it names, and ``film(build, **parameters)`` where another mechanism or another start moves on its page.
 
     The parameters and their defaults are the keyword arguments of ``mechanism(**parameters) -> System`` and of
     ``measure(build, terms, **parameters) -> Measured``, where ``build`` is a `Builder` and ``terms`` are the switches
@@ -99,6 +136,14 @@ class Demo:
     show: AnimateOptions | Callable[..., AnimateOptions] = field(default_factory=AnimateOptions)  # by the parameters
     ranges: Mapping[str, Sequence | None] = field(default_factory=dict)  # see `varied`
     may_vanish: Sequence[str] = ()  # parameters, besides those that the ablation takes away
+    # up to four, of parameters of what moves on the page, as `Control` or as its numbers; () = the page replays its run
+    sliders: Sequence[Control | tuple] = ()
+    # by quantity, how the page finds it: ("crossings", curve, line), "turning" or "last" of the curves of `show`
+    readings: Mapping[str, tuple[str, int, int]] = field(default_factory=dict)
+    theory_moves: bool = True  # with the sliders; False: it takes too long to be found over their ranges
+    attempt: str = ""  # what to try with the sliders, in a sentence
+    beats: Sequence[Beat] = ()  # what happens, sentence by sentence
+    symbols: Mapping[str, Symbol] = field(default_factory=dict)  # of the equation, as they are written there
 
     @property
     def name(self) -> str:
@@ -115,6 +160,11 @@ class Demo:
     def mechanism(self) -> Callable[..., System]:
         """Return the function ``mechanism`` of the module of the demo."""
         return sys.modules[self.module].mechanism
+
+    @property
+    def ride(self) -> Callable[..., Ride] | None:
+        """Return the function ``ride`` of the module of the demo: what a reader of its page moves himself."""
+        return getattr(sys.modules[self.module], "ride", None)
 
     @property
     def measure(self) -> Callable[..., Measured]:
@@ -159,6 +209,11 @@ class Demo:
         """Call a function of this demo with the parameters it names."""
         return function(*arguments, **{name: values[name] for name in inspect.signature(function).parameters
                                        if name in self.parameters})  # fmt: skip
+
+    def filmed(self, values: Values) -> System | tuple[System, State]:
+        """Return the mechanism that moves on the page, or it and where it starts: that of ``film``, if there is one."""
+        film = getattr(sys.modules[self.module], "film", None)
+        return self.call(film, values, Builder(self, values)) if film else self.call(self.mechanism, values)
 
     def computed(self, values: Values, terms: Mapping[str, bool]) -> Measured:
         """Measure the quantities with these parameters; raise InputError where there are none."""
@@ -219,6 +274,10 @@ class Demo:
         stems = [stem, *(f"{stem}_{k + 2}" for k in range(len(found.solutions)))]
         solutions = dict(zip(stems, found.solutions, strict=False))
         options: AnimateOptions = {"hidden": ["joint names"], **self.shown(values)}
+        if found.solutions and without is None and values == self.parameters:
+            options["captions"] = self.story(found.solutions[0])
+        if self.ride and without is None:
+            options["ride"] = self.call(self.ride, values)
         views = {stem: Show(found.solutions[0], options)} if found.solutions else {}
         views |= {f"{stem}_{name}": view for name, view in found.views.items()}
         drawn = partial(self.panels, values, found, without)
@@ -227,6 +286,18 @@ class Demo:
             return (*wanted(found.notes), f"{lacking(self.ablation.term)}: {self.ablation.then}")
 
         return Outcome(rows, drawn, solutions, noted, views, values, self.title)
+
+    def story(self, run: Solution) -> list[tuple[float, str]]:
+        """Return the moments [s] of the beats in the run with the first parameters, and their sentences."""
+        return [(float(at(run) if callable(at) else at), says) for at, says in self.beats]
+
+    def meanings(self, values: Values) -> list[dict[str, Any]]:
+        """Return the symbols of the equation with their values for these parameters, if they have one."""
+        found = []
+        for letter, symbol in self.symbols.items():
+            value = self.call(symbol.value, values) if callable(symbol.value) else values.get(symbol.value)
+            found.append({"letter": letter, **symbol._asdict(), "value": value, "parameter": symbol.value})
+        return found
 
     def panels(self, values: Values, found: Measured, without: str | None) -> list[Panel]:
         """Return curves with theory and ablation, and the first quantity over a parameter."""

@@ -7,28 +7,36 @@ import json
 import re
 import shlex
 import sys
-from collections.abc import Iterable, Sequence
-from functools import cache
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache, partial
 from hashlib import sha256
 from importlib.util import resolve_name
+from itertools import starmap
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from PIL import Image
 
+from ..api.system import System
 from ..api.viewable import AnimateOptions
 from ..base.paths import write_atomically
-from ..base.style import DARK, LIGHT, figure_style, with_superscripts
+from ..base.style import DARK, LIGHT, figure_style
 from ..base.templates import TEMPLATE_FOLDER, page_template
+from ..base.wording import COMPARED_DIGITS, digits, readable, relative, with_superscripts
+from ..mechanism.state import State
 from ..report.exhibits import inline_svg
 from ..report.mathml import mathml
+from ..view.explore.exploration import Exploration, Ghost, Theory
+from ..view.explore.sliders import Slider
 from ..view.page.recorder import client_head
 from .base import Outcome, Row, Show
 from .discovery import discover
-from .figure import figure_of
-from .form import Demo
-from .parameters import lacking
+from .figure import TIME_AXIS, Curve, figure_of
+from .form import Control, Demo
+from .parameters import OMITTABLE_TERMS, Values, lacking
 from .report import to_json
 
 VIEWER_FILE = "viewer.js"
@@ -43,7 +51,6 @@ TYPOGRAPHY = (
     (r"sqrt\(", "√("),
     ("_dot", "\u0307"),  # the dot above the letter before
     ("`", ""),
-    (r"(\d) (\d{3})\b", "\\1\u202f\\2"),  # 18 140 stays on its line
 )
 PACKAGE_FOLDER = Path(__file__).parent.parent
 SOURCE_SUFFIXES = {".py", ".js", ".css", ".html"}
@@ -53,7 +60,7 @@ INVISIBLE_MOTION = 1e-6  # [m] or parts of a quaternion that nobody sees
 def page(name: str, folder: Path) -> bool:
     """Write the page of one demo with its players, picture and numbers; False if it is there, and nothing has changed.
 
-    The numbers come last, with a digest of every other file: what an interruption leaves is no page.
+    The numbers come last, with a digest of every other file: what an interruption leaves is not a page.
     """
     demos = discover()
     demo, known = demos.find(name), list(demos.values())
@@ -62,9 +69,10 @@ def page(name: str, folder: Path) -> bool:
     if whole(folder, place, stamp):
         return False
     outcome = demo.run()
-    players = [("the effect", player(outcome, "the effect", folder / f"{name}_seen.html"))]
+    solves = exploration(demo, outcome)
+    players = [("the effect", player(outcome, "the effect", folder / f"{name}_seen.html", explore=solves))]
     taken = without(demo)
-    if taken is not None:
+    if taken is not None and not (solves and solves.ghost):
         term, ablated = taken
         file = folder / f"{name}_without.html"
         players.append((lacking(term), player(ablated, lacking(term), file, beside=outcome)))
@@ -73,11 +81,13 @@ def page(name: str, folder: Path) -> bool:
     texts = {label: prose(getattr(demo, label)) for label in ("question", "why", "source")}
     notes = [prose(note) for note in outcome.notes]
     html = page_template("demo.html").render(
-        title=demo.title, name=name, family=demo.family, texts=texts, equation=mathml(demo.equation),
+        title=demo.title, name=name, family=demo.family, texts=texts, equation=mathml(demo.equation, demo.symbols),
         rows=[cells(row) for row in outcome.rows], figures=drawn(outcome, name),
         players=[found for found in players if found[1]], notes=notes, few=NOTES_MAX,
         parameters={key: json.dumps(value) for key, value in outcome.parameters.items()}, command=command(demo),
-        code=source_of(demo), next_one=next_one, light=LIGHT, dark=DARK,
+        code=source_of(demo), next_one=next_one, light=LIGHT, dark=DARK, solves=solves is not None,
+        attempt=prose(demo.attempt), story=demo.story(first_view(outcome).solution) if outcome.views else (),
+        symbols=[symbol_of(x) for x in demo.meanings(outcome.parameters)],
     )  # fmt: skip
     write_atomically(folder / f"{name}.html", html.encode("utf-8"))
     picture(outcome, folder / f"{name}.png")
@@ -105,24 +115,49 @@ def whole(folder: Path, place: Path, stamp: str) -> bool:
 
 
 def front(names: Iterable[str], folder: Path) -> Path:
-    """Write the front page and the viewer."""
+    """Write the viewer, and the front page of those demos whose pages are complete."""
     demos = discover()
-    written = [name for name in names if (folder / f"{name}.html").exists()]
+    written = [name for name in names if (folder / f"{name}.json").exists()]
     families = {
         family: [demo for demo in members if demo.name in written] for family, members in demos.families().items()
     }
     script = f"document.write({json.dumps(client_head())});".encode()
-    write_atomically(folder / VIEWER_FILE, script)
+    viewer = folder / VIEWER_FILE
+    if not viewer.exists() or viewer.read_bytes() != script:
+        write_atomically(viewer, script)
     films = {name for name in written if (folder / f"{name}.gif").exists()}
     html = page_template("gallery.html").render(
-        title="Effects that exist only in space", families=families, films=films, light=LIGHT, dark=DARK
+        title="Effects of motion in space, and of machines as they are built",
+        families=families,
+        films=films,
+        light=LIGHT,
+        dark=DARK,
     )
     return write_atomically(folder / "index.html", html.encode("utf-8"))
 
 
 def drawn(outcome: Outcome, name: str) -> list[str]:
-    """Draw each panel as a figure of its own, so that a narrow page sets them below each other."""
-    return [inline_svg(figure_of("", [panel]), f"{name}-{k}-") for k, panel in enumerate(outcome.panels)]
+    """Draw each panel as a figure of its own, so that a narrow page sets them below each other; what is drawn over the
+    time can have a cursor.
+    """
+    found = []
+    for k, panel in enumerate(outcome.panels):
+        figure = figure_of("", [panel])
+        svg = inline_svg(figure, f"{name}-{k}-")
+        if isinstance(panel.drawn, Curve) and panel.drawn.along == TIME_AXIS:
+            svg = svg.replace("<svg", f'<svg data-time="{time_axis(figure)}"', 1)
+        found.append(svg)
+    return found
+
+
+def time_axis(figure: Figure) -> str:
+    """Return the limits of the time in the first axes of a figure [s], where they lie, and lower and upper end of the
+    axes, in the units of its SVG.
+    """
+    axes, (width, height) = figure.axes[0], 72 * figure.get_size_inches()
+    box = axes.get_position()
+    ends = (*axes.get_xlim(), box.x0 * width, box.x1 * width, (1 - box.y0) * height, (1 - box.y1) * height)
+    return " ".join(f"{x:.6g}" for x in ends)
 
 
 def without(demo: Demo) -> tuple[str, Outcome] | None:
@@ -133,7 +168,79 @@ def without(demo: Demo) -> tuple[str, Outcome] | None:
         return None
 
 
-def player(outcome: Outcome, title: str, path: Path, beside: Outcome | None = None) -> str:
+def exploration(demo: Demo, outcome: Outcome) -> Exploration | None:
+    """Return what the page of a demo needs to solve its mechanism; None without sliders."""
+    if not demo.sliders:
+        return None
+    values = outcome.parameters
+
+    def build(**changes: float) -> System | tuple[System, State]:
+        return demo.filmed(changed(values, changes))
+
+    def numbers(**changes: float) -> list[float]:
+        return [demo.expected(changed(values, changes))[key] for key in demo.quantities]
+
+    ablation = demo.ablation
+    sliders = [
+        Slider(name, low, high, item(values, name), label, unit, log)
+        for name, low, high, unit, label, log in starmap(Control, demo.sliders)
+    ]
+    ghost = None
+    if ablation.term in OMITTABLE_TERMS:
+        ghost = Ghost(lacking(ablation.term), term=ablation.term)
+    elif ablation.change.keys() <= set(inspect.signature(demo.mechanism).parameters):
+        ghost = Ghost(lacking(ablation.term), change=ablation.change)
+    labels = [(prose(x.label), with_superscripts(x.unit)) for x in demo.quantities.values()]
+    readings = [reading_of(demo.readings.get(key)) for key in demo.quantities]
+    return Exploration(build, sliders, ghost, Theory(numbers, labels, readings) if demo.theory_moves else None)
+
+
+def symbol_of(given: Mapping[str, Any]) -> dict[str, object]:
+    """Return a symbol of the equation as the page shows it: its sign, meaning, value and unit, and what moves with it.
+
+    A value is a number, or else that of a line of a curve at the moment.
+    """
+    value, curve = given["value"], given["curve"]
+    return {
+        **given,
+        "sign": mathml(given["letter"])[len("<p>") : -len("</p>")],
+        "text": prose(given["text"]),
+        "unit": with_superscripts(given["unit"]),
+        "value": "" if value is None else digits(float(value), count=4),
+        "curve": "" if curve is None else f"{curve[0]}.{curve[1]}",
+        "parameter": given["parameter"] if isinstance(given["parameter"], str) else "",
+    }
+
+
+def place_of(name: str) -> tuple[str, int | None]:
+    """Return the parameter that a slider moves, and which item of it: ("w", None) of "w", ("w", 1) of "w[1]"."""
+    key, _, place = name.partition("[")
+    return key, int(place[:-1]) if place else None
+
+
+def item(values: Values, name: str) -> float:
+    """Return the value of a number or of an item of a list, by the name of a slider."""
+    key, place = place_of(name)
+    return float(values[key] if place is None else values[key][place])
+
+
+def changed(values: Values, changes: Values) -> dict[str, Any]:
+    """Return values with some of them changed, by the names of sliders."""
+    found = dict(values)
+    for name, value in changes.items():
+        key, place = place_of(name)
+        found[key] = value if place is None else [value if k == place else x for k, x in enumerate(found[key])]
+    return found
+
+
+def reading_of(given: tuple[str, int, int] | None) -> dict[str, object] | None:
+    """Return how the page finds a number of theory in its curves."""
+    return given and dict(zip(("of", "curve", "line"), given, strict=True))
+
+
+def player(
+    outcome: Outcome, title: str, path: Path, beside: Outcome | None = None, explore: Exploration | None = None
+) -> str:
     """Write the first view of an outcome as a page that takes the viewer from beside it; return its name, or "" for
     none.
 
@@ -143,9 +250,11 @@ def player(outcome: Outcome, title: str, path: Path, beside: Outcome | None = No
         path.unlink(missing_ok=True)
         return ""
     solution, options = first_view(outcome)
-    quiet: AnimateOptions = {**options, "curves": (), "hidden": hidden(options), "title": title}  # curves stand below
+    quiet: AnimateOptions = {**options, "hidden": hidden(options), "title": title, "explore": explore}
     if beside is not None:
         quiet["beside"] = first_view(beside).solution
+        stops = first_view(beside).options.get("captions", ())  # where the other one rests, this one does too
+        quiet["captions"] = [(t, "") for t, _ in stops if solution.t[0] <= t <= solution.t[-1]]
     html = solution.animate(**quiet).html
     html = html.replace(client_head(), f'<script src="{VIEWER_FILE}"></script>')
     script = (TEMPLATE_FOLDER / "in_step.js").read_text(encoding="utf-8")
@@ -204,16 +313,16 @@ def hidden(options: AnimateOptions) -> list[str]:
 
 def cells(row: Row) -> Sequence[str]:
     """Format a row of the table; a value that the tolerance does not tell from zero is 0."""
-    unit = f" [{with_superscripts(row.unit)}]" if row.unit else ""
     numbers = (0.0 if abs(value) < 0.1 * row.tolerance else value for value in (row.computed, row.theory))
-    return prose(row.quantity) + unit, *(f"{value:.10g}" for value in numbers), f"{row.error:.1e}"
+    texts = (row.text(value, partial(digits, count=COMPARED_DIGITS)) for value in numbers)
+    return prose(row.label), *texts, relative(row.error, count=2)
 
 
 def prose(text: str) -> str:
     """Replace keyboard characters of a text by typographic ones."""
     for typed, printed in TYPOGRAPHY:
         text = re.sub(typed, printed, text)
-    return with_superscripts(text)
+    return readable(text)
 
 
 def command(demo: Demo) -> str:

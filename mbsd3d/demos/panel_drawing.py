@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..base.figure import Figure
 from ..base.style import COLOURS, LIGHT, figure_style, style_axes
+from ..base.wording import relative
 
 GLOBE_VIEW = (25.0, 55.0)  # [deg] elevation and azimuth from which a sphere is seen
 
@@ -115,11 +116,12 @@ def spectrum_bars(
         if k == 0:
             theory_dots(axes, place + shift, theory, label="theory", zorder=5)
     axes.set_yscale("log")
-    plain_decades(axes, ":g")
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_minor_formatter(NullFormatter())
     axes.set_xticks(place, [f"{order}x" for order in orders])
 
 
-def plain_decades(axes: Axes, form: str) -> None:
-    """Set numbers on a logarithmic axis as plain text, whole decades only: raised exponents take long to typeset."""
-    axes.yaxis.set_major_formatter(f"{{x{form}}}")
+def plain_decades(axes: Axes) -> None:
+    """Set plain text like 10⁻² on a logarithmic axis, whole decades only: mathematics takes long to typeset."""
+    axes.yaxis.set_major_formatter(lambda x, _: relative(x))
     axes.yaxis.set_minor_formatter(NullFormatter())

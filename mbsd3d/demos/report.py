@@ -7,6 +7,7 @@ from math import isfinite
 from pathlib import Path
 
 from ..api.viewable import AnimateOptions
+from ..base.wording import COMPARED_DIGITS, error_text
 from ..plotting.plots import save_figure
 from .base import Outcome, Row
 from .discovery import discover
@@ -16,29 +17,24 @@ TEXT_WIDTH = 100
 TABLE_HEAD = ("quantity", "computed", "theory", "error")
 
 
-def contents(families: Mapping[str, Sequence[Demo]]) -> str:
-    """Return demos by family, each with its question."""
-    width = max((len(demo.name) for demos in families.values() for demo in demos), default=0)
-    blocks = [
-        "\n".join([f"{family}:", *(f"  {demo.name:{width}}  {demo.question}" for demo in demos)])
-        for family, demos in families.items()
-    ]
-    return "\n\n".join(blocks)
-
-
-def table(rows: Sequence[Row], heads: Sequence[str] = TABLE_HEAD) -> str:
-    """Return the rows of a demo as ``quantity | computed | theory | error``, FAIL beside those beyond their
+def table(rows: Sequence[Row], heads: Sequence[str] = TABLE_HEAD, beyond: str = "FAIL, limit {:.0e}") -> str:
+    """Return the rows of a demo as ``quantity | computed | theory | error``, a word beside those beyond their
     tolerance."""
     cells = [tuple(heads)]
     for row in rows:
-        quantity = f"{row.quantity} [{row.unit}]" if row.unit else row.quantity
-        cells.append((quantity, f"{row.computed:.12g}", f"{row.theory:.12g}", f"{row.error:.1e}"))
+        numbers = (row.text(value, compared_text) for value in (row.computed, row.theory))
+        cells.append((row.label, *numbers, error_text(row.error)))
     widths = [max(len(line[k]) for line in cells) for k in range(len(heads))]
     lines = [" | ".join([line[0].ljust(widths[0]), *map(str.rjust, line[1:], widths[1:])]) for line in cells]
     rule = "-+-".join("-" * width for width in widths)
-    marks = ["" if row.passed else f"  FAIL, limit {row.tolerance:.0e}" for row in rows]
+    marks = ["" if row.passed else f"  {beyond.format(row.tolerance)}" for row in rows]
     marked = [line + mark for line, mark in zip(lines[1:], marks, strict=True)]
     return "\n".join(f"  {line}" for line in [lines[0], rule, *marked])
+
+
+def compared_text(value: float) -> str:
+    """Format a number for a terminal with the digits by which numbers are compared; the zero has no sign."""
+    return f"{value + 0.0:.{COMPARED_DIGITS}g}"
 
 
 def summary(found: Mapping[str, Sequence[Row]]) -> str:
@@ -66,7 +62,7 @@ def report(demo: Demo, outcome: Outcome, without: str | None = None) -> str:
         lines += textwrap.wrap(
             getattr(demo, label), TEXT_WIDTH, initial_indent=f"  {label:10}", subsequent_indent=" " * 12
         )
-    lines += ["", table(outcome.rows)]
+    lines += ["", table(outcome.rows, beyond="differs, as it should") if without else table(outcome.rows)]
     for note in outcome.notes:
         lines += textwrap.wrap(note, TEXT_WIDTH, initial_indent="  ", subsequent_indent="    ")
     return "\n".join(lines)

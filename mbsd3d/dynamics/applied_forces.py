@@ -104,7 +104,7 @@ def right_sides(m, d):
     for i in range(m.reflected.shape[0]):
         load = m.reflected[i].inertia * d.reflected[i].bias
         for end in range(2):
-            b = m.coordinate[m.reflected[i].coordinate].body[end]
+            b = m.reflected[i].body[end]
             if b < m.body.shape[0]:
                 add_scaled(d.body[b].top, -load, d.reflected[i].J[end])
     for k in range(m.row.shape[0]):

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..compiler.decorators import inner_kernel
 from ..kernels.vectors import add, cross, dot, pair, scale, vec
-from .state_rates import audit_rates
+from .state_rates import audit_evaluation
 
 AUDITED_FIELDS = "open_work", "open_push", "open_turn"  # of integrators.memory.NOW
 INTEGRAL_ROW, ERROR_ROW, FIRST_RATE_ROW = 0, 1, 2  # rows of Run.audit: integrals, errors, then rates, newest first
@@ -41,11 +41,11 @@ def held(m):
 
 
 @inner_kernel
-def begin_audit(m, d, run):
+def begin_audit(m, d, s, run):
     """Store the rates at a start, which is evaluated in d, and forget the rates before a jump."""
     if run.task.steps == 0:
         return
-    audit_rates(m, d, run.work_rate)
+    audit_evaluation(m, d, s, run.work_rate)
     first = 13 * m.body.shape[0] + m.z_work
     for j in range(run.audit.shape[1]):
         run.audit[INTEGRAL_ROW, j], run.audit[FIRST_RATE_ROW, j] = run.y[first + j], run.work_rate[first + j]
@@ -53,13 +53,13 @@ def begin_audit(m, d, run):
 
 
 @inner_kernel
-def go_on_auditing(m, d, run, h):
+def go_on_auditing(m, d, s, run, h):
     """Compare the integrals over a step with those of the rates at the ends of this step and the four before."""
     if run.task.steps == 0:
         return
     now, audit = run.now, run.audit
     known = now.rates if abs(h - now.audited) <= EQUAL_STEP_TOLERANCE * h else 1
-    audit_rates(m, d, run.work_rate)
+    audit_evaluation(m, d, s, run.work_rate)
     first = 13 * m.body.shape[0] + m.z_work
     for j in range(audit.shape[1]):
         rate, total = run.work_rate[first + j], MOULTON_END_WEIGHT * run.work_rate[first + j]

@@ -60,6 +60,28 @@ def loads_of_sample(m, d, t, state, coordinates, lam):
 
 
 @kernel
+def loads_of_samples(m, d, times, states, coordinates, lam, v, body, wrench, power, rates, shown):
+    """Set what the only force element of a model does at every sample.
+
+    wrench (samples, 6): force and moment about O on a body; power (samples,) that all bodies get; rates (samples, k) of
+    its internal states; shown (samples, 12): what its law shows.
+    """
+    first = m.force[0].state
+    for i in range(times.shape[0]):
+        loads_of_sample(m, d, times[i], states[i], coordinates[i], lam[i])
+        power[i] = 0.0
+        for k in range(m.body.shape[0]):
+            for j in range(6):
+                power[i] += d.body[k].Q[j] * v[i, k, j]
+        for j in range(6):
+            wrench[i, j] = d.body[body].Q[j]
+        for j in range(rates.shape[1]):
+            rates[i, j] = d.state_rate[first + j]
+        for j in range(shown.shape[1]):
+            shown[i, j] = d.force[0].shown[j]
+
+
+@kernel
 def joint_wrenches(m, d, times, states, coordinates, lam, parts, out):
     """Set out (k, samples, 6) = force and moment about O of k joints on their bodies b: minus the sum of J' lam.
 
@@ -92,6 +114,17 @@ def at_body_point(m, states, body, local, wrenches, out):
         force, moment = pair(wrenches[i])
         put6(out[i], force, sub(moment, cross(arm, force)))
         put(out[i, 6:], add(origin, arm))
+
+
+@kernel
+def joint_reactions(m, d, times, states, coordinates, lam, parts, local, wrenches, out):
+    """Set the wrenches (k, samples, 6) of `joint_wrenches` and out (k, samples, 9) of `at_body_point`, of k joints.
+
+    local (k, 3): the points of the joints, body axes of b from O.
+    """
+    joint_wrenches(m, d, times, states, coordinates, lam, parts, wrenches)
+    for part in range(parts.shape[0]):
+        at_body_point(m, states, parts[part, 2], local[part], wrenches[part], out[part])
 
 
 @inner_kernel
@@ -160,7 +193,7 @@ def newton_euler(m, d, t, acceleration, lam, out):
     for i in range(m.reflected.shape[0]):
         load = m.reflected[i].inertia * (d.reflected[i].bias + reflected_acceleration(m, d, i, acceleration))
         for end in range(2):
-            add_scaled(d.body[m.coordinate[m.reflected[i].coordinate].body[end]].Q, -load, d.reflected[i].J[end])
+            add_scaled(d.body[m.reflected[i].body[end]].Q, -load, d.reflected[i].J[end])
     for i in range(m.body.shape[0]):
         body_residual(m.body[i], d.body[i], acceleration[i], out[i])
 

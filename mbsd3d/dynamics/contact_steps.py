@@ -1,8 +1,9 @@
 """Contacts and stops that a step could miss: bodies are separated at both of its ends and in contact in between.
 
 The stages of a step see none of it if they lie before and after. So a step between two moments in the air may not turn
-a surface by more than a radian, unless it looks the same all the time; and where the clearance falls and rises again so
-that it may vanish, the step is tried anew up to where it is least.
+a surface by more than a radian, unless it looks the same all the time, nor move a sphere farther than the sphere or
+capsule that it may pass is away; and where the clearance falls and rises again so that it may vanish, the step is tried
+anew up to where it is least.
 
 The load of a contact jumps or kinks where bodies touch and lift off, and where damping ends it before that. Adaptive
 steps find that by their error. Fixed steps would lose their order there: explicit ones are split at that time; implicit
@@ -15,8 +16,8 @@ import numpy as np
 
 from ..compiler.decorators import inner_kernel, late_kernel
 from ..compiler.late import late_choice
-from ..kernels.surfaces import contact_parameters, meeting, pressure
-from ..kernels.vectors import arm, columns, cross, dot, sub, vec
+from ..kernels.surfaces import contact_parameters, meeting, pressure, shortest_line
+from ..kernels.vectors import arm, columns, cross, dot, point_velocity, sub, vec
 from ..mechanism.force_element import ForceElement
 from ..mechanism.forces.contact import Contact
 from ..mechanism.forces.end_stop import Stop
@@ -65,13 +66,33 @@ def changing_turn(m, d, p, normal):
     centre = sub(arm(b, p.point[1]), vec(b.s))
     round_ = largest(shape) <= TURN_ROUNDING * rate_b * size * size
     centred = largest(cross(w_b, centre)) <= TURN_ROUNDING * rate_b * size
+    if own.other > 0.0:
+        return max(0.0 if centred else rate_b, passing_rate(own, p, a, b))
     level = largest(cross(w_a, normal)) <= TURN_ROUNDING * rate_a
     return max(0.0 if round_ and centred else rate_b, 0.0 if level else rate_a)
 
 
 @inner_kernel
+def passing_rate(own, p, a, b):
+    """Return the speed of a sphere past another surface over the distance of their centres [1/s].
+
+    A step h with h r <= 1 for the rate r at its start and h r <= 2 at its end cannot begin before the other body and
+    end behind it, at constant acceleration. Where a turns and the nearest point of its axis is not its centre of mass,
+    its angular velocity counts as well.
+    """
+    line, centre = shortest_line(own, p, a, b)
+    on_b = sub(centre, vec(b.r))
+    on_a = sub(sub(centre, line), vec(a.r))
+    v, w, aside = sub(point_velocity(b, on_b), point_velocity(a, on_a)), vec(a.w), sub(on_a, vec(a.s))
+    off = cross(w, aside)
+    rate_a = np.sqrt(dot(w, w)) if dot(off, off) > (TURN_ROUNDING * own.other) ** 2 * dot(w, w) else 0.0
+    return max(rate_a, np.sqrt(dot(v, v) / dot(line, line)))
+
+
+@inner_kernel
 def watch_contacts(m, d, run, end, t):
-    """Store clearance, its rate, `changing_turn` and load of contacts and stops at the state in d: an end of a step."""
+    """Store clearance, its rate, `changing_turn`, load and overlap of contacts and stops at the state in d: an end of
+    a step."""
     for k in range(run.contacts.shape[0]):
         p, gap_of, seen = m.force[run.contacts[k, 0]], run.contacts[k, 1], run.gaps[k, end]
         if gap_of != OF_CONTACT:
@@ -81,6 +102,7 @@ def watch_contacts(m, d, run, end, t):
         plane, _, _, gap, velocity = meeting(own, p, d.body[p.body[0]], d.body[p.body[1]])
         rate = dot(plane[2], velocity)
         seen[0], seen[1], seen[2], seen[3] = gap, rate, changing_turn(m, d, p, plane[2]), pulling(own, gap, -rate)
+        seen[4] = -gap / (own.radii[0] + own.other) if own.other > 0.0 else 0.0
 
 
 @inner_kernel
@@ -92,7 +114,13 @@ def pulling(own, gap, speed):
 
 @inner_kernel
 def begin_step(run):
-    """Set the longest next step from the angular velocities of separated bodies at its start; fixed ones have none."""
+    """Note the overlap at the start of a step, and set its greatest length from what may turn before it is touched.
+
+    Fixed steps have none.
+    """
+    for k in range(run.contacts.shape[0]):
+        if run.gaps[k, 0, 4] > run.now.overlap:
+            run.now.overlap, run.now.overlap_by = run.gaps[k, 0, 4], run.contacts[k, 0]
     run.now.longest = np.inf
     if run.task.steps > 0:
         run.now.retried = 0
@@ -114,7 +142,7 @@ def start_watching(m, d, run):
 def advance_contact_watch(run):
     """Make the end of a step the start of the next one."""
     for k in range(run.contacts.shape[0]):
-        for j in range(4):
+        for j in range(5):
             run.gaps[k, 0, j] = run.gaps[k, 1, j]
     begin_step(run)
 

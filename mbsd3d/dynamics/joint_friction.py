@@ -12,7 +12,7 @@ import numpy as np
 from ..compiler.decorators import allocating_kernel, inner_kernel, kernel
 from ..compiler.late import late
 from ..kernels.force_laws import apply_along_gradient
-from ..kernels.vectors import dot, put, put6, vec
+from ..kernels.vectors import add6, dot, put, put6, vec
 from ..mechanism.forces.dry_friction import friction_coefficient, friction_size, length_of, pressing
 from ..solver.saddle_point import SOLVED, solve_refined
 from .applied_forces import right_sides
@@ -68,10 +68,8 @@ def unit_response(m, d, s, i):
     for slot in range(2):
         b = m.force[i].body[slot]
         if b < m.body.shape[0]:
-            top, gradient = d.body[b].top, d.force[i].gradient
-            for j in range(3):
-                top[j] += gradient[2 * slot, j]
-                top[3 + j] += gradient[2 * slot + 1, j]
+            gradient = d.force[i].gradient
+            add6(d.body[b].top, vec(gradient[2 * slot]), vec(gradient[2 * slot + 1]))
     for k in range(m.row.shape[0]):
         d.row[k].bottom = 0.0
     return solve_refined(m, d, s)

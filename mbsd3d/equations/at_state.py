@@ -3,6 +3,8 @@
 import numpy as np
 
 from ..base.errors import InputError
+from ..base.wording import counted
+from ..dynamics.state_rates import largest_residuals, load_motion
 from ..kernels.coordinates import coordinate
 from ..kernels.kinematics import kinematics, pack_motion
 from ..kernels.layout import Data
@@ -16,11 +18,19 @@ from .jacobian import BlockRows, block_rows, displacement_units, scaled_rows
 
 def pack(compiled: Compiled, state: State) -> np.ndarray:
     """Return y = (q, u, z) with u = (r_dot, R'w), audit states zero; missing internal states start as declared."""
+    y = pack_states(compiled, state)
+    pack_motion(state.q, state.v, y)
+    return y
+
+
+def pack_states(compiled: Compiled, state: State) -> np.ndarray:
+    """Return y with internal states alone, q and u zero."""
     n = len(compiled.system.bodies)
     if state.q.size != 7 * n:
-        raise InputError(f"state: {state.q.size // 7} bodies, the system has {n}; give a state of this system")
+        raise InputError(
+            f"state: {counted(state.q.size // 7, 'body')}, the system has {n}; give a state of this system"
+        )
     y = np.zeros(13 * n + compiled.model.state.size)
-    pack_motion(state.q, state.v, y)
     own = state.z if state.z.size else initial_states(compiled.system)
     if own.size != compiled.model.z_work:
         raise InputError(
@@ -34,14 +44,13 @@ def pack(compiled: Compiled, state: State) -> np.ndarray:
 
 def load_state(compiled: Compiled, data: Data, state: State) -> np.ndarray:
     """Evaluate kinematics and rows of ``data`` at a state; return y."""
-    y = pack(compiled, state)
+    y = pack_states(compiled, state)
     if state.coordinates is not None:
         known = state.coordinates.size  # a condition on other hinges adds coordinates at the end of the table
         data.coordinate["value"][:known] = state.coordinates[: data.coordinate.size]
     data.coordinate["rate"] = 0.0
     data.unwrap_time[0] = state.t
-    kinematics(compiled.model, data, y)
-    rows(compiled.model, data, state.t)
+    load_motion(compiled.model, data, state.t, state.q, state.v, y)
     return y
 
 
@@ -88,7 +97,11 @@ def rows_at(compiled: Compiled, data: Data, t: float, y: np.ndarray, coordinates
 
 def check_quaternions(system: Mechanism, state: State) -> None:
     """Raise a ValueError for an orientation that is not a unit quaternion."""
-    norms = np.linalg.norm(state.q.reshape(-1, 7)[:, 3:], axis=1)
+    e = state.q.reshape(-1, 7)[:, 3:]
+    squares = (e * e).sum(axis=1)
+    if np.abs(squares - 1.0).max() <= 1e-6:
+        return
+    norms = np.sqrt(squares)
     for i in np.flatnonzero(~(np.abs(norms - 1.0) <= 1e-6)):
         raise InputError(
             f"state: the quaternion of '{system.name(system.bodies[i])}' has norm {norms[i]:.9g} instead of 1; divide "
@@ -101,16 +114,15 @@ def unmet(compiled: Compiled, data: Data, v: np.ndarray, tolerance: float) -> tu
 
     ``tolerance`` of c, in units of the model's length and radians; J v - b may reach ten times as much.
     """
-    row, scale = data.row, compiled.model.row["scale"]
-    if not row.size:
+    if not data.row.size:
         return None
-    rates = v.reshape(-1, 6) / displacement_units(compiled.model.length, 1)
-    speed = max(1.0, float(np.abs(rates).max(initial=0.0)))
-    slip = block_rows(compiled.model, data).times(v) - row["b"]
-    checks = ((row["c"], "m or rad", tolerance), (slip, "m/s or rad/s", 10 * tolerance * speed))
-    for residual, unit, limit in checks:
-        if np.abs(residual * scale).max() > limit:
-            return residual, unit
+    position, slip = largest_residuals(compiled.model, data, np.arange(data.row.size))
+    if position > tolerance:
+        return data.row["c"], "m or rad"
+    if slip > 10 * tolerance:
+        speed = np.abs(v.reshape(-1, 6) / displacement_units(compiled.model.length, 1)).max(initial=0.0)
+        if slip > 10 * tolerance * max(1.0, float(speed)):
+            return block_rows(compiled.model, data).times(v) - data.row["b"], "m/s or rad/s"
     return None
 
 

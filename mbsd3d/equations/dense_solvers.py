@@ -12,14 +12,18 @@ import numpy as np
 import scipy.linalg
 from scipy.sparse import bsr_array, csr_array, diags_array
 
+from ..base.errors import InputError
 from ..base.rotations import matrix, skew
 from ..dynamics.applied_forces import loads
+from ..dynamics.state_rates import accelerate
 from ..kernels.layout import Data, Model
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
+from ..solver.saddle_point import SOLVED, factor
 from .at_state import load_state
 from .compiled import Compiled, compile_system
 from .jacobian import RANK_TOLERANCE, BlockRows, block_rows, displacement_units
+from .tree import build_spanning_tree
 
 
 def inertia_about_origin(e: np.ndarray, com: np.ndarray, mass: float | np.ndarray, inertia: np.ndarray) -> np.ndarray:
@@ -57,7 +61,7 @@ def reflected_rows(model: Model, data: Data) -> BlockRows:
     """Return the rates of the coordinates with a reflected inertia as rows of the velocities, from ``data``."""
     k = model.reflected.size
     body, J = np.full((k, 4), -1), np.zeros((k, 4, 6), data.reflected["J"].dtype)
-    body[:, :2], J[:, :2] = model.coordinate["body"][model.reflected["coordinate"]], data.reflected["J"]
+    body[:, :2], J[:, :2] = model.reflected["body"], data.reflected["J"]
     return BlockRows(body, J, model.body.size)
 
 
@@ -96,9 +100,22 @@ class DenseEquations:
         compiled, data, n = self.compiled, self.data, self.mass.size
         load_state(compiled, data, state)
         loads(compiled.model, data, state.t)
+        if compiled.model.frictions:
+            self.settle(state.t)
         Q = data.body["Q"][:n].reshape(6 * n).copy()
         J, gamma = block_rows(compiled.model, data).dense(), data.row["gamma"].copy()
         return Terms(self.mass_matrix(state), Q, self.quadratic_term(state), J, gamma)
+
+    def settle(self, t: float) -> None:
+        """Set Q with the friction that follows from the multipliers, for the rows and loads at hand."""
+        model, data = self.compiled.model, self.data
+        tree = build_spanning_tree(model, data)
+        factor(model, data, tree)
+        if accelerate(model, data, tree, t) != SOLVED:
+            raise InputError(
+                f"equations: at t = {t:g} s friction holds itself, or the equations have no solution; "
+                "accelerations(system, state) says where"
+            )
 
     def mass_matrix(self, state: State) -> np.ndarray:
         """Return the mass matrix (6 n, 6 n): blocks of the bodies, and I j'j of reflected inertias."""

@@ -52,7 +52,7 @@ class BlockRows(NamedTuple):
 
     def times(self, v: np.ndarray) -> np.ndarray:
         """Return the product (m,) with velocities v (6 n,)."""
-        each = np.append(v, np.zeros(6)).reshape(-1, 6)  # the ground last
+        each = np.concatenate((v, np.zeros(6))).reshape(-1, 6)  # the ground last
         on = np.where(self.body < 0, self.n, self.body)
         return np.einsum("isj,isj->i", self.J, each[on])
 

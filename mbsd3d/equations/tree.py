@@ -18,14 +18,43 @@ from ..kernels.layout import TREE_STATE, Data, Model, Tree, single, table, tree_
 from ..solver.joint_basis import choose_blocks, choose_joint_rows
 from ..solver.loop_rows import PROXIMAL_FACTOR
 from ..solver.row_rank import PIVOT_UNKNOWN
+from .compact_links import compact_links, is_compact
 from .compiled import Compiled
 
 # [1] of the heaviest inertia: bodies below it, and below each further power of it, are lighter by a class
 INERTIA_CLASS_RATIO = 1e-3
+LIGHT_SHARE_MAX = INERTIA_CLASS_RATIO * (1.0 + 1e-6)  # [1] above it no body is light, whatever logarithms round to
 INERTIA_CLASSES = 8  # [classes]; lighter bodies belong to the last one
 # [mu] pivot of a loop row that surely repeats no others: a thousandth of the compliance of the heaviest body in its
 # loop. Rounding leaves 1e-6 of mu; the rank decision asks for 1e-10 of a singular value, the root of a pivot
 INDEPENDENT_PIVOT_MIN = 1e5
+REPEATED_PIVOT_MAX = 1e-4  # [mu] pivot of one that surely does: more than rounding leaves
+
+
+class Groups:
+    """Numbers 0 ... count - 1 in groups that are merged; `scipy.cluster` has the same, and takes 0.1 s to load."""
+
+    def __init__(self, count: int) -> None:
+        self.parent = list(range(count))
+
+    def first(self, i: int) -> int:
+        """Return the number that stands for the group of i."""
+        while self.parent[i] != i:
+            self.parent[i] = i = self.parent[self.parent[i]]
+        return i
+
+    def merge(self, i: int, j: int) -> bool:
+        """Merge the groups of i and j; return whether they were two."""
+        i, j = self.first(i), self.first(j)
+        self.parent[j] = i
+        return i != j
+
+    def members(self) -> list[list[int]]:
+        """Return the members of each group, in the order of their least ones."""
+        found: dict[int, list[int]] = {}
+        for i in range(len(self.parent)):
+            found.setdefault(self.first(i), []).append(i)
+        return [*found.values()]
 
 
 def build_spanning_tree(model: Model, data: Data, rows: np.ndarray | None = None, dtype: type = float) -> Tree:
@@ -34,8 +63,10 @@ def build_spanning_tree(model: Model, data: Data, rows: np.ndarray | None = None
     Rows of one link that depend on each other at this state become loop rows; ``state.worn`` asks for a new tree.
     """
     used = np.arange(model.row.size) if rows is None else np.asarray(rows, np.int64)
-    on = np.full_like(model.row["body"], -1)
-    on[used] = model.row["body"][used]
+    on = model.row["body"]
+    if rows is not None:
+        on = np.full_like(on, -1)
+        on[used] = model.row["body"][used]
     inertias = inertias_about_points(model)
     bodies, light = on.tobytes(), lightness(inertias).tobytes()
     *_, first, joint = spanning_tree(bodies, light)
@@ -46,28 +77,42 @@ def build_spanning_tree(model: Model, data: Data, rows: np.ndarray | None = None
     planned = planned_tables(*made, model.primitive["kind"].tobytes(), model.row["metres"].tobytes(), dtype).items()
     tables = {name: np.frombuffer(bytearray(lines), kind) for name, (lines, kind) in planned}
     loop, state, plan = tables["loop"], single(TREE_STATE), loop_plan(*made)
-    state.mu = PROXIMAL_FACTOR / (inertias.max(initial=0.0) or 1.0)
-    state.soft = PIVOT_UNKNOWN
+    state["mu"] = PROXIMAL_FACTOR / (inertias.max(initial=0.0) or 1.0)
+    state["soft"] = PIVOT_UNKNOWN
     if loop.size:
-        loop["mu"] = PROXIMAL_FACTOR / heaviest_in_loops(plan, inertias) / model.row["scale"][loop["row"]] ** 2
-    state.apart = reflected_on_links(model, tables["link"])
-    ready = model.body["inv_mass"][tables["link"]["body"]] > 0.0
-    tables["link"]["alone"] = np.where(ready, tables["link"]["alone"], 0)
-    size = int((np.arange(loop.size) - loop["first"] + 1).sum())
+        heaviest = np.array(heaviest_in_loops(plan, inertias))
+        loop["mu"] = PROXIMAL_FACTOR / heaviest / model.row["scale"][loop["row"]] ** 2
+    state["apart"] = reflected_on_links(model, tables["link"])
+    if model.singular:
+        ready = model.body["inv_mass"][tables["link"]["body"]] > 0.0
+        tables["link"]["alone"] = np.where(ready, tables["link"]["alone"], 0)
+    compact, loose = compact_links(model, tables, dtype)
     tree = Tree(
         link=tables["link"], joint=tables["joint"], loop=loop, entry=tables["entry"],
-        skyline=np.zeros((2, size), dtype), vector=np.zeros((5, loop.size), dtype), shares=np.zeros(48, np.int64),
-        state=state, used=used, skipped=used[:0] if rows is None else np.delete(np.arange(model.row.size), used),
+        skyline=np.zeros((2, plan["size"]), dtype), vector=np.zeros((5, loop.size), dtype),
+        shares=np.zeros(48, np.int64), state=state, compact=compact, loose=loose, used=used,
+        skipped=used[:0] if rows is None else np.delete(np.arange(model.row.size), used),
     )  # fmt: skip
     choose_blocks(data, tree)
+    state["compact"] = is_compact(model, tree)
     return tree
 
 
 def surely_regular(tree: Tree) -> bool:
     """Return whether the factor at hand leaves no doubt that no row of a tree over all rows repeats others."""
+    return repeated_rows(tree) == 0
+
+
+def repeated_rows(tree: Tree) -> int | None:
+    """Return how many rows of a tree over all rows repeat others; None where the factor at hand leaves a doubt."""
     if tree.skipped.size or tree.state["dense"] or tree.state["worn"]:
-        return False
-    return bool((tree.loop["pivot"] > INDEPENDENT_PIVOT_MIN).all())
+        return None
+    pivots = tree.loop["pivot"]
+    if not pivots.size:
+        return 0
+    independent = int((pivots > INDEPENDENT_PIVOT_MIN).sum())
+    repeated = 0 if independent == pivots.size else int((pivots < REPEATED_PIVOT_MAX).sum())
+    return repeated if independent + repeated == pivots.size else None
 
 
 def tree_at_start(compiled: Compiled, data: Data, q: np.ndarray, t: float) -> Tree:
@@ -80,7 +125,9 @@ def tree_at_start(compiled: Compiled, data: Data, q: np.ndarray, t: float) -> Tr
     known = derived.get("tree")
     if known is None or known[0] != start:
         known = derived["tree"] = (start, build_spanning_tree(compiled.model, data))
-    return Tree(*[copied(x) for x in known[1]])
+    tree = Tree(*[copied(x) for x in known[1]])
+    tree.state["compact"] = is_compact(compiled.model, tree)
+    return tree
 
 
 def copied(x: Any) -> Any:
@@ -89,15 +136,24 @@ def copied(x: Any) -> Any:
 
 
 def reflected_on_links(model: Model, link: np.ndarray) -> int:
-    """Give each reflected inertia to the link whose joint it is in; return 1 if one is in no link, or two in one."""
-    n, link["reflected"] = model.body.size, -1
-    parent = np.append(link["body"], n)[link["up"]]  # -1 takes the last one, the ground
-    for i, on in enumerate(model.coordinate["body"][model.reflected["coordinate"]]):
+    """Give each reflected inertia to the link whose joint it is in; return 1 if one is in no link.
+
+    A link takes those that follow each other, if it leaves one direction free, or is a ball and they are of turns.
+    """
+    if not model.reflected.size:
+        return 0
+    parent = np.append(link["body"], model.body.size)[link["up"]]  # -1 takes the last one, the ground
+    ball, taken = (link["rows"] == 3) & (link["point"] == 1), 0
+    for i, own in enumerate(model.reflected):
         for side in range(2):
-            own = (link["body"] == on[side]) & (parent == on[1 - side]) & (link["rows"] >= 5)
-            link["side"][own & (link["reflected"] < 0)] = side
-            link["reflected"][own & (link["reflected"] < 0)] = i
-    return int(np.unique(link["reflected"][link["reflected"] >= 0]).size < model.reflected.size)
+            here = (link["body"] == own["body"][side]) & (parent == own["body"][1 - side])
+            here &= (link["rows"] >= 5) | (ball & (own["coordinate"] < 0))
+            new = here & (link["reflections"] == 0)
+            link["side"][new], link["reflected"][new] = side, i
+            here &= (link["side"] == side) & (link["reflected"] + link["reflections"] == i)
+            link["reflections"][here] += 1
+            taken += int(here.any())
+    return int(taken < model.reflected.size)
 
 
 @lru_cache(maxsize=32)
@@ -145,21 +201,24 @@ def inertias_about_points(model: Model) -> np.ndarray:
 def lightness(inertias: np.ndarray) -> np.ndarray:
     """Return the class (n,) of each body: 0 for ordinary ones, 1 below `INERTIA_CLASS_RATIO` of the heaviest, ..."""
     share = inertias / (inertias.max(initial=0.0) or 1.0)
+    if share.min(initial=1.0) > LIGHT_SHARE_MAX:
+        return np.zeros(share.size, np.int64)
     least = INERTIA_CLASS_RATIO**INERTIA_CLASSES
     return np.trunc(np.log(np.maximum(share, least)) / np.log(INERTIA_CLASS_RATIO) + 1e-9).astype(np.int64)
 
 
-def heaviest_in_loops(plan: dict[str, np.ndarray], inertias: np.ndarray) -> np.ndarray:
+def heaviest_in_loops(plan: dict[str, Any], inertias: np.ndarray) -> list[float]:
     """Return per loop row the largest inertia [kg m^2] that its loop moves: of links and all they carry."""
-    carried = inertias[plan["link.body"]]
-    for i, up in enumerate(plan["link.up"].tolist()):
-        if up >= 0:
-            carried[up] = max(carried[up], carried[i])
-    owner = np.repeat(np.arange(carried.size), plan["link.entries"])
-    heaviest = np.zeros(plan["loop"].size)
-    inner = plan["inner"]
-    np.maximum.at(heaviest, plan["entry.place"][inner], carried[owner[inner]])
-    return np.where(heaviest > 0.0, heaviest, inertias.max(initial=0.0) or 1.0)
+    own = inertias.tolist()
+    carried = [own[body] for body in plan["bodies"]]
+    for i, up in enumerate(plan["ups"]):
+        if up >= 0 and carried[i] > carried[up]:
+            carried[up] = carried[i]
+    heaviest, most = [], max(own, default=0.0) or 1.0
+    for links in plan["moved"]:
+        largest = max([carried[i] for i in links], default=0.0)
+        heaviest.append(largest if largest > 0.0 else most)
+    return heaviest
 
 
 def pairs_of(on: np.ndarray, n: int) -> np.ndarray:
@@ -231,8 +290,11 @@ def slots_on(on: np.ndarray, body: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 @lru_cache(maxsize=32)
-def loop_plan(rows: bytes, light: bytes, chosen: bytes) -> dict[str, np.ndarray]:
-    """Return the columns of the tables of `Tree`, and their lengths, when the links take the chosen candidates."""
+def loop_plan(rows: bytes, light: bytes, chosen: bytes) -> dict[str, Any]:
+    """Return the columns of the tables of `Tree`, and their lengths, when the links take the chosen candidates.
+
+    With "bodies", "ups" (their parents), "moved": the links that each loop moves, and "size": the numbers of S.
+    """
     on = np.frombuffer(rows, np.int64).reshape(-1, 4)
     bodies, parent, first, joint = spanning_tree(rows, light)
     n = bodies.size
@@ -251,8 +313,6 @@ def loop_plan(rows: bytes, light: bytes, chosen: bytes) -> dict[str, np.ndarray]
     for k, links in enumerate(felt):
         for i in links:
             entries[i].append(k)
-    # links between the bodies of a row and their common ancestor
-    inner = [felt[k][i] for i, places in enumerate(entries) for k in places]
     lengths = np.array([len(places) for places in entries], np.int64)
     starts = np.cumsum([0, *lengths])
     at = {(i, k): int(starts[i]) + j for i, places in enumerate(entries) for j, k in enumerate(places)}
@@ -267,9 +327,11 @@ def loop_plan(rows: bytes, light: bytes, chosen: bytes) -> dict[str, np.ndarray]
         "joint": joint[take], **{f"joint.{key}": joint[key][take] for key in ("row", "slot", "twin")},
         "loop": loops, "loop.row": loops, "loop.end": end, "loop.first": first_column, "loop.last": last_line,
         "loop.line": start_of_line,
+        "size": int((np.arange(loops.size) - first_column + 1).sum()),
         "entry": entry_place, "entry.place": entry_place, "entry.line": start_of_line[entry_place],
         "entry.next": np.array([at.get((i, k), -1) for i, k in np.stack([up[owner], entry_place], 1).tolist()], int),
-        "entry.slot": slot, "entry.twin": twin, "inner": np.array(inner, bool),
+        "entry.slot": slot, "entry.twin": twin, "bodies": bodies.tolist(), "ups": up.tolist(),
+        "moved": [[i for i, own in links.items() if own] for links in felt],
     }  # fmt: skip
 
 

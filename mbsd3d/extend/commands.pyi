@@ -2,6 +2,7 @@
 from ..cli import main as main
 from ..cli.play import port_option as port_option
 from ..cli.support import Failure as Failure
+from ..cli.support import Listed as Listed
 from ..cli.interruption import INTERRUPT_EXIT_CODE as INTERRUPT_EXIT_CODE
 from ..cli.support import can_view as can_view
 from ..cli.support import keep as keep
@@ -14,8 +15,9 @@ from ..lazy import attach as attach
 from ..base.paths import as_path as as_path
 from ..base.paths import package_version as package_version
 from ..base.paths import read_text as read_text
-from ..base.paths import with_suffix as with_suffix
+from ..base.csv_files import write_table as write_table
 from ..base.paths import write_atomically as write_atomically
+from ..files.bundles import model_digest as model_digest
 
 # progress, threads and processes, finished work on disk
 from ..base.progress import Progress as Progress

@@ -4,4 +4,8 @@ from ..demos.form import Measured as Measured
 from ..demos.form import Quantity as Quantity
 from ..demos.form import Curve as Curve
 from ..demos.form import Ablation as Ablation
+from ..demos import moments as moments
+from ..demos.form import Beat as Beat
+from ..demos.form import Symbol as Symbol
+from ..view.explore.ridden import Ride as Ride
 from ..demos.form import require as require

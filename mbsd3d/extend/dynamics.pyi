@@ -4,6 +4,7 @@ from ..equations.dense_solvers import DenseEquations as DenseEquations
 from ..equations.dense_solvers import mass_matrix as mass_matrix
 from ..equations.dense_solvers import saddle_matrix as saddle_matrix
 from ..run.accelerations import Rates as Rates
+from ..dynamics.applied_forces import loads as loads
 
 # states
 from ..equations.at_state import load_state as load_state
@@ -13,6 +14,7 @@ from ..equations.at_state import unmet as unmet
 from ..equations.at_state import worst_joint as worst_joint
 
 # compiled tables, derivatives and code
+from ..equations.compiled import Switches as Switches
 from ..equations.compiled import compile_system as compile_system
 from ..equations.compiled import new_data as new_data
 from ..equations.tables import key_of as key_of

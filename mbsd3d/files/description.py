@@ -14,6 +14,7 @@ import numpy as np
 
 from ..base.checks import floats
 from ..base.errors import InputError
+from ..base.wording import with_article
 from ..mechanism.bodies import GROUND, Body, Ground
 from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint
@@ -95,7 +96,8 @@ class Writer:
             raise InputError(f"{what}: its function cannot be written to a file; build this {kind.__name__} in Python")
         if kind not in types().values():
             raise InputError(
-                f"{what}: a {kind.__name__} cannot be written to a file; only numbers, texts, arrays and the parts of "
+                f"{what}: {with_article(kind.__name__)} cannot be written to a file; "
+                "only numbers, texts, arrays and the parts of "
                 "mbsd3d can, no functions and no classes of your own"
             )
         role = roles(kind)

@@ -35,6 +35,7 @@ from ..run.simulation import check_state
 from .description import Writer, describe, read_system
 
 DOCUMENT = "mbsd3d_fmu.json"  # in the resources of an FMU
+OWN_OUTPUTS = tuple(f"certificate.{x}" for x in ("passed", "worst", "work", "created"))  # of every FMU
 HOST = "it runs where the host is Python with mbsd3d installed, as with FMPy; other hosts must load libpython first"
 SCRIPT = '''"""Run by the Python of the host, in which mbsd3d must be installed."""
 from mbsd3d.files.fmu_instance import FmuInstance
@@ -85,7 +86,7 @@ def named_outputs(system: Mechanism, outputs: Outputs | None) -> dict[str, Measu
             raise InputError(f"to_fmu: outputs: {short_repr(x)} is not a measure; build one with mbsd3d.measures")
         measures.check_members(system, x, "to_fmu: outputs")
         if not isinstance(name, str) or not name.strip() or not name.isprintable():
-            raise InputError(f"to_fmu: outputs: {short_repr(name)} is no name; give a text, e.g. 'hinge.angle'")
+            raise InputError(f"to_fmu: outputs: {short_repr(name)} is not a name; give a text, e.g. 'hinge.angle'")
     return unique(found, "to_fmu: outputs")
 
 
@@ -160,7 +161,8 @@ def document_of(
         ],
         "parameters": parameter_entries(system, described, parameters),
     }
-    unique([(x["name"], x) for kind in entries.values() for x in kind], "to_fmu: variables")
+    own = [{"name": name} for name in ("time", *OWN_OUTPUTS)]
+    unique([(x["name"], x) for kind in (*entries.values(), own) for x in kind], "to_fmu: variables")
     found = {
         "title": system.title or "mechanism", "description": f"{system!r} by mbsd3d, {HOST}", "system": described,
         "start": None if state is None else write.part(state, "state"),

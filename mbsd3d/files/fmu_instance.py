@@ -5,6 +5,7 @@ It is imported by the script in the FMU, in the Python of the host, beside the c
 
 import json
 from collections.abc import Callable, Mapping
+from copy import copy, deepcopy
 from pathlib import Path
 from typing import Any
 from uuid import NAMESPACE_OID, uuid5
@@ -24,16 +25,19 @@ from pythonfmu3 import (
 
 from ..base.errors import InputError
 from ..base.paths import package_version
+from ..base.wording import counted
 from ..results.certificate import certificate_of
+from ..run.controllers import Ports
 from ..run.segments import Segments
 from .fmu import DOCUMENT, begin
 
 CERTIFICATE = "certificate"
+SAME_OUTPUT = 1e-9  # [1] by what rounding may change an output, of itself or one SI unit
 SAME_TIME = 1e-9  # [1] of a communication step: by what its start may miss the time reached, from sums of steps
 UNITS = {
     "rad": {"rad": 1}, "m": {"m": 1}, "rad/s": {"rad": 1, "s": -1}, "m/s": {"m": 1, "s": -1},
     "rad/s^2": {"rad": 1, "s": -2}, "m/s^2": {"m": 1, "s": -2}, "N": {"kg": 1, "m": 1, "s": -2},
-    "N m": {"kg": 1, "m": 2, "s": -2}, "s": {"s": 1},
+    "N m": {"kg": 1, "m": 2, "s": -2}, "J": {"kg": 1, "m": 2, "s": -2}, "s": {"s": 1},
 }  # fmt: skip
 """Units here -> exponents of the base units of FMI."""
 
@@ -56,18 +60,20 @@ class FmuInstance:
         self.guid = uuid5(NAMESPACE_OID, text)
         self.description = self.document["description"]
         self.run: Segments | None = None
+        self.ports: Ports | None = None  # of the run
         start = self.document["start"] or {}
         self.failure, self.start_time, self.longest, self.rollbacks = "", float(start.get("t", 0.0)), 0.0, 0
         self.default_experiment = DefaultExperiment(start_time=self.start_time)
         self.segments, self.passed, self.worst, self.started = 0, False, np.inf, False
         self.seen: dict[str, float] = {}
+        self.told: list[tuple[dict[str, float], dict[str, float]]] = []  # inputs, outputs read before the first step
         self.given = {x["name"]: x["start"] for x in self.document["inputs"]}
         self.chosen = {x["name"]: x["start"] for x in self.document["parameters"]}
         self.register()
 
     def register(self) -> None:
         """Register the variables: parameters, inputs, outputs and the certificate."""
-        used = {x["unit"] for x in (*self.document["inputs"], *self.document["outputs"])} | {"s"}
+        used = {x["unit"] for x in (*self.document["inputs"], *self.document["outputs"])} | {"s", "J"}
         self.register_units([Unit(name, **UNITS[name]) for name in sorted(used & set(UNITS))])
         continuous, discrete = Fmi3Variability.continuous, Fmi3Variability.discrete
         self.variable("time", "time of the model", Fmi3Causality.independent, continuous, "s", lambda: self.t)
@@ -89,6 +95,11 @@ class FmuInstance:
         )  # fmt: skip
         worst = f"largest error of a check over its limit, {when}"
         self.variable(f"{CERTIFICATE}.worst", worst, Fmi3Causality.output, discrete, "-", lambda: self.worst)
+        work, created = "work of the forces with inputs", "energy that holding the inputs may have created"
+        for name, what in (("work", work), ("created", created)):
+            self.variable(
+                f"{CERTIFICATE}.{name}", what, Fmi3Causality.output, continuous, "J", self.energy_reader(name)
+            )
 
     def number(self, values: dict[str, float], entry: Mapping[str, Any], causality: Any, variability: Any) -> None:
         """Register a number that the host sets."""
@@ -113,7 +124,20 @@ class FmuInstance:
 
     def reader(self, name: str) -> Callable[[], float]:
         """Return a function that reads an output."""
-        return lambda: self.outputs().get(name, np.nan)
+
+        def read() -> float:
+            value = self.outputs().get(name, np.nan)
+            if self.started and not self.segments:
+                if not self.told or self.told[-1][0] != self.given:
+                    self.told.append((dict(self.given), {}))
+                self.told[-1][1][name] = value
+            return value
+
+        return read
+
+    def energy_reader(self, name: str) -> Callable[[], float]:
+        """Return a function that reads an energy [J] of the inputs."""
+        return lambda: np.nan if self.failure else float(getattr(self.ports, name, 0.0))
 
     def variable(
         self, name: str, description: str, causality: Any, variability: Any, unit: str, getter: Callable[[], float],
@@ -138,8 +162,9 @@ class FmuInstance:
         """Return the run with the inputs as they are set; it is made where there is none yet."""
         if self.run is None:
             self.run = begin(self.document, self.chosen, self.start_time)
-        for x in self.document["inputs"]:
-            self.run.set(x["input"], self.given[x["name"]])
+            self.ports = Ports(self.run, [x["input"] for x in self.document["inputs"]])
+        if self.ports is not None:
+            self.ports.set({x["input"]: self.given[x["name"]] for x in self.document["inputs"]})
         return self.run
 
     def outputs(self) -> dict[str, float]:
@@ -175,7 +200,7 @@ class FmuInstance:
             return Fmi3StepResult(status=Fmi3Status.error)
         try:
             if self.segments == 0 and current_time != self.t:  # pythonfmu3 does not pass the start time on
-                self.start_time, self.run = current_time, None
+                self.start_again(current_time)
             run = self.running()
             if abs(current_time - run.t) > SAME_TIME * step_size:
                 raise InputError(
@@ -191,6 +216,22 @@ class FmuInstance:
         except Exception as error:  # in C it would be fatal for all instances
             return self.fail(error)
         return Fmi3StepResult()
+
+    def start_again(self, t: float) -> None:
+        """Start at another time; an InputError where outputs that were read already would have been others."""
+        before, given = self.start_time, dict(self.given)
+        self.start_time, self.run = t, None
+        for inputs, told in self.told:
+            self.given.update(inputs)
+            now = dict(zip((x["name"] for x in self.document["outputs"]), self.running().measured, strict=True))
+            for name, value in told.items():
+                if abs(now[name] - value) > SAME_OUTPUT * max(abs(value), 1.0):
+                    raise InputError(
+                        f"'{name}' was read before the first step, of {before:.9g} s: the start time {t:.9g} s does "
+                        "not reach the model before that step; write the FMU with a state of that time (to_fmu: "
+                        "state), or read no such output before"
+                    )
+        self.given.update(given)
 
     def judge(self) -> str:
         """Judge the run so far; return the certificate."""
@@ -211,25 +252,31 @@ class FmuInstance:
 
     def coupling(self) -> str:
         """Describe how the inputs were coupled."""
-        held = f"inputs held over communication steps of up to {self.longest:g} s" if self.given else "no inputs"
-        return f"{held}; {self.rollbacks} times back to an earlier state; model {self.document['hash'][:16]}"
+        held = "no inputs"
+        if self.given and self.ports is not None:
+            held = (
+                f"inputs held over communication steps of up to {self.longest:g} s: forces with them gave "
+                f"{self.ports.work:.6g} J, of which holding may have created {self.ports.created:.6g} J"
+            )
+        return f"{held}; {counted(self.rollbacks, 'time')} back to an earlier state; model {self.document['hash'][:16]}"
 
     def _get_fmu_state(self) -> dict[str, Any]:
         """Return all that later steps depend on."""
         return {
             "snapshot": self.run and self.run.snapshot(), "given": dict(self.given),
             "chosen": dict(self.chosen), "failure": self.failure, "segments": self.segments,
-            "judged": (self.passed, self.worst), "run": self.run, "start_time": self.start_time,
-            "started": self.started,
+            "judged": (self.passed, self.worst), "run": self.run, "ports": copy(self.ports),
+            "start_time": self.start_time, "started": self.started, "told": deepcopy(self.told),
         }  # fmt: skip
 
     def _set_fmu_state(self, state: Mapping[str, Any]) -> None:
         """Go back, or on, to a state."""
-        self.run = state["run"]
+        self.run, self.ports = state["run"], copy(state["ports"])
         if self.run is not None:
             self.run.restore(state["snapshot"])
         self.given.update(state["given"])
         self.chosen.update(state["chosen"])
         self.failure, self.segments, self.start_time = state["failure"], state["segments"], state["start_time"]
         self.started, (self.passed, self.worst) = state["started"], state["judged"]
+        self.told = deepcopy(state["told"])
         self.seen, self.rollbacks = {}, self.rollbacks + 1

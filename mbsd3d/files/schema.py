@@ -27,6 +27,7 @@ from ..mechanism.joints import Joint
 from ..mechanism.limits import Limit
 from ..mechanism.measures import Condition, Measure
 from ..mechanism.primitives import Coordinate
+from ..mechanism.pulleys import Pulley, Winch
 from ..mechanism.shapes import Shape
 from ..mechanism.signals import Signal
 from ..mechanism.state import State
@@ -53,7 +54,7 @@ def types() -> Mapping[str, type]:
     found: dict[str, type] = {kind.__name__: kind for base in TAGGED_CLASSES for kind in below(base) if not below(kind)}
     others: tuple[type, ...] = (
         Body, Limit, Measure, Condition, Coordinate, State, Switches, RunOptions, Record,
-        Event, Impulse,
+        Event, Impulse, Pulley, Winch,
     )  # fmt: skip
     return MappingProxyType(found | {kind.__name__: kind for kind in others})
 
@@ -104,7 +105,7 @@ def json_type(annotation: Any) -> Any:
     if issubclass(kind, Body | Ground):
         return str
     if issubclass(kind, Joint):
-        return str | dict  # a name, or a joint that is no part of the system, as of one that has engaged
+        return str | dict  # a name, or a joint that is not part of the system, as of one that has engaged
     if issubclass(kind, Mapping | Signal | Shape) or is_dataclass(kind):
         return dict
     if not issubclass(kind, Sequence | np.ndarray):

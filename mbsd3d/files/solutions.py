@@ -25,14 +25,19 @@ SOLUTION_KIND = "mbsd3d solution"
 STORED_OPTIONS = ("method", "rtol", "switches")  # of `RunOptions`, which a file keeps
 STATE_SLICES = ("q", "z")  # slices of the array "state"
 STORED_ARRAYS = ("t", "state", "v", "acceleration", "lam", "coordinate", "potential", "power", "residual")
-DAMAGED_FILE_ERRORS = (
-    OSError, ValueError, KeyError, TypeError, EOFError, MemoryError, NotImplementedError, RecursionError,
-    zipfile.BadZipFile, zlib.error,
+DAMAGED_FILE_ERRORS = (  # RuntimeError: encrypted, of a newer zip, nested too deep
+    OSError, ValueError, KeyError, TypeError, EOFError, MemoryError, RuntimeError, OverflowError, zipfile.BadZipFile,
+    zlib.error,
 )  # fmt: skip
 
 
 def save(solution: RunResult, path: str | Path) -> Path:
-    """Write the arrays, and the rest as JSON text; see `Solution.save`."""
+    """Write a solution; see `Solution.save`."""
+    return write_atomically(with_suffix(path, ".npz"), solution_bytes(solution))
+
+
+def solution_bytes(solution: RunResult) -> bytes:
+    """Return the file of a solution: its arrays, and the rest as JSON text."""
     system, record = solution.system, solution.record
     write, (error, order, doubling) = Writer(system), solution.estimated
     count = len(compile_system(system).coordinate_index)  # without that of the measure of stop_when
@@ -65,7 +70,7 @@ def save(solution: RunResult, path: str | Path) -> Path:
     text = np.frombuffer(json.dumps(document, allow_nan=False).encode(), np.uint8)
     buffer = io.BytesIO()
     np.savez(buffer, allow_pickle=False, json=text, **arrays)
-    return write_atomically(with_suffix(path, ".npz"), buffer.getvalue())
+    return buffer.getvalue()
 
 
 def record_entry(write: Writer, record: Record) -> dict[str, Any]:

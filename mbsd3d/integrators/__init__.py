@@ -1,1 +1,1 @@
-"""Time integration: one file a method (`method` says what one is), and what the compiled time loops share."""
+"""Time integration: one file per method (interface in `method`), and the shared code of the compiled time loops."""

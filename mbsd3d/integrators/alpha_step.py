@@ -1,4 +1,4 @@
-"""Time loop of generalised alpha: one step by Newton's method, its local error, and what it passes to the next step."""
+"""Time loop of generalised alpha: one step by Newton's method, its local error, and its data for the next step."""
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from ..kernels.kinematics import displace_body, rotation_matrix
 from ..kernels.vectors import copy, finite, put, rotate, scale
 from ..solver.saddle_point import SOLVED
 from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING, STEP_TOO_SMALL
-from .newton import fill_matrix, filtered, lu_factor, lu_solve, residual
+from .newton import fill_matrix, filtered, lu_factor, residual, solve_for_correction
 from .outputs import along_cubic, cubic, evaluate_start, outputs
 from .step_control import (
     LOCAL_ERROR_SHARE,
@@ -59,7 +59,7 @@ def velocities(run, g, c, h, first):
 
 @kernel
 def trial_state(m, d, s, run, g, c, t, h):
-    """Set the trial state at t for the rates in g.newton, on c = 0; return False where the joints cannot close."""
+    """Set the trial state at t for the rates in g.newton, on c = 0; return False if there is no solution."""
     n, y = m.body.shape[0], run.y
     velocities(run, g, c, h, 7 * n)
     for i in range(n):
@@ -114,7 +114,7 @@ def predict(g, c, h, steady):
 def solve_step(m, d, s, run, g, c, t, h):
     """Solve for rates and multipliers at the end of the step by Newton's method; return True if it converges.
 
-    The matrix is kept over steps of the same size and made anew where it contracts by less than SLOW. It belongs to
+    The matrix is kept over steps of the same size and recomputed if it contracts too slowly. It belongs to
     velocities that meet J v = b: at others, rows that repeat each other differ, and what is open of lam would grow.
     """
     w, n = g.newton, m.body.shape[0]
@@ -125,8 +125,7 @@ def solve_step(m, d, s, run, g, c, t, h):
     fixed = run.task.steps > 0  # dt alone sets the error
     held = NEWTON_RESIDUAL_SHARE * (min(run.task.rtol, 1e-8) / run.task.steps if fixed else run.task.rtol)
     tolerance = max(held, 10.0 * reach * rounding(m, run.y))
-    stale = g.past.matrix == 0 or abs(g.past.matrix_step - h_v) > 1e-6 * h_v
-    before = 0.0
+    kept, stale, before = g.past.matrix == 1, g.past.matrix == 0, 0.0
     for k in range(ITERATIONS):
         if not trial_state(m, d, s, run, g, c, t, h):
             return False
@@ -138,12 +137,12 @@ def solve_step(m, d, s, run, g, c, t, h):
             fill_matrix(m, d, s, w, t, run.trial, h_q, h_v)
             if not lu_factor(w.A, w.pivot, size):
                 return False
-            g.past.matrix, g.past.matrix_step, stale = 1, h_v, False
-        lu_solve(w.A, w.pivot, w.x, size)
+            g.past.matrix, g.past.matrix_step, stale = 1, h, False
+        solve_for_correction(m, s, w)
         moved = correct(m, s, run, w, h_v)
-        if not np.isfinite(moved):
-            return False
         contraction = moved / before if before > 0.0 else 0.1
+        if not np.isfinite(moved) or (kept and k == 1 and moved > max(before, tolerance)):  # a kept matrix leads astray
+            return False
         left = moved * contraction / (1.0 - contraction) if contraction < 0.9 else moved
         done = min(moved, left) <= tolerance
         if fixed:  # what is left has the same sign in every step and adds up: on to where rounding ends the contraction
@@ -192,18 +191,31 @@ def local_error(m, d, s, run, g, c, h):
 
 
 @inner_kernel
+def solve_from_guesses(m, d, s, run, g, c, t, h):
+    """Solve the step as `solve_step` with the kept matrix, else with a new one, else from the steady guess."""
+    kept = g.past.matrix == 1 and abs(g.past.matrix_step - h) <= 1e-6 * h
+    g.past.matrix = 1 if kept else 0
+    predict(g, c, h, False)
+    if solve_step(m, d, s, run, g, c, t, h):
+        return True
+    g.past.matrix = 0
+    if kept:
+        predict(g, c, h, False)
+        if solve_step(m, d, s, run, g, c, t, h):
+            return True
+    predict(g, c, h, True)
+    return solve_step(m, d, s, run, g, c, t, h)
+
+
+@inner_kernel
 def attempt(m, d, s, run, g, c):
-    """Return (RUNNING, t_new, h) after a step within the tolerance, or why there is none; adapt the step."""
+    """Return (RUNNING, t_new, h) after a step within the tolerance, or the reason for rejecting it; adapt the step."""
     rejected, fixed = False, run.task.steps > 0
     while True:
         t_new, h = end_of_step(run)
         if h == 0.0:
             return STEP_TOO_SMALL, t_new, h
-        predict(g, c, h, False)
-        solved = solve_step(m, d, s, run, g, c, t_new, h)
-        if not solved:
-            predict(g, c, h, True)
-            solved = solve_step(m, d, s, run, g, c, t_new, h)
+        solved = solve_from_guesses(m, d, s, run, g, c, t_new, h)
         if fixed and not solved:
             return NOT_CONVERGED, t_new, h
         error = np.inf
@@ -267,7 +279,7 @@ def accept(m, d, run, g, h):
 
 @inner_kernel
 def step(m, d, s, g, run):
-    """Take one accepted step with its outputs; return RUNNING or a reason to come back to Python."""
+    """Take one accepted step with its outputs; return RUNNING or a reason to return to Python."""
     c = g.first if g.past.first == 1 else g.weights
     status, t_new, h = attempt(m, d, s, run, g, c)
     if status != RUNNING:
@@ -287,7 +299,7 @@ def step(m, d, s, g, run):
         return status
     compare_poses(m, run, h)
     accept(m, d, run, g, h)
-    go_on(m, d, run, t_new)
+    go_on(m, d, s, run, t_new)
     return RUNNING if rows_hold(m, d, s, run) else NEW_TREE
 
 

@@ -1,19 +1,18 @@
-"""Dormand and Prince's method of order 8 with dense output of order 7; coefficients as scipy holds them."""
+"""Dormand and Prince's method of order 8 with dense output of order 7."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import DOP853 as SCIPY
 
 from ..base.checks import check_choice, number
 from ..kernels.layout import Data, Model
+from .dop853_coefficients import A_EXTRA, C_EXTRA, E3, E5, A, B, C, D
 from .memory import Stages, Table, new_stages, widest_gap
 from .method import Method, check_max_step
 from .runge_kutta import advance
 
 STIFF_WORK_MAX = 2e5  # [steps times bodies] a stiff run may still take before it stops; some three seconds
-STAGES_COUNT = SCIPY.n_stages
 DENSE_NODES = [0, 6, 7, 8, 9, 10]  # stages of the interpolant: of all choices with small weights the best at a kink
 
 
@@ -21,7 +20,7 @@ def second_estimate(first: np.ndarray, c: np.ndarray) -> np.ndarray:
     """Return weights of a divided difference of the rates at `DENSE_NODES`, scaled like the first estimate.
 
     Where a rate has a kink within the step, as when a contact opens, any estimate vanishes for some places of the kink,
-    and the step would be taken whatever it errs. Two estimates vanish at different places.
+    and the step would be accepted whatever its error. Two estimates vanish at different places.
     """
     apart = c[DENSE_NODES, None] - c[DENSE_NODES] + np.eye(len(DENSE_NODES))
     weights = np.zeros(c.size)
@@ -29,24 +28,16 @@ def second_estimate(first: np.ndarray, c: np.ndarray) -> np.ndarray:
     return weights
 
 
-A_DENSE = np.zeros((3, STAGES_COUNT + 1 + 3))
-A_DENSE[:, : SCIPY.A_EXTRA.shape[1]] = SCIPY.A_EXTRA
 TABLE = Table(
-    A=np.ascontiguousarray(SCIPY.A[:STAGES_COUNT, :STAGES_COUNT]),
-    b=np.ascontiguousarray(SCIPY.B),
-    c=np.ascontiguousarray(SCIPY.C[:STAGES_COUNT]),
-    error=np.array(
-        [
-            SCIPY.E5[:STAGES_COUNT],
-            second_estimate(SCIPY.E5[:STAGES_COUNT], SCIPY.C[:STAGES_COUNT]),
-            SCIPY.E3[:STAGES_COUNT],
-        ]
-    ),
-    A_dense=A_DENSE,
-    c_dense=np.ascontiguousarray(SCIPY.C_EXTRA),
-    D=np.ascontiguousarray(SCIPY.D),
+    A=A,
+    b=B,
+    c=C,
+    error=np.array([E5, second_estimate(E5, C), E3]),
+    A_dense=A_EXTRA,
+    c_dense=C_EXTRA,
+    D=D,
     order=8,
-    gap=widest_gap(SCIPY.C[:STAGES_COUNT]),
+    gap=widest_gap(C),
 )
 
 
@@ -54,18 +45,18 @@ TABLE = Table(
 class DOP853(Method):
     """Adaptive explicit Runge-Kutta method of order 8, or with fixed steps when ``dt`` [s] is given.
 
-    The default for everything that is not stiff. Adaptive steps go over whole turns of bodies that spin about an axis
+    The default for systems that are not stiff. Adaptive steps may span whole turns of bodies that spin about an axis
     of symmetry, as wheels and tops do: the motion of the axis limits them. Hairer, Norsett, Wanner: Solving Ordinary
     Differential Equations I.
 
     Parameters
     ----------
     dt : float or None
-        Fixed step [s], adjusted to land on ``t_end``, split where signals turn; None = adaptive.
+        Fixed step [s], adjusted to end at ``t_end``, split at kinks of signals; None = adaptive.
     max_step : float
         Longest step [s].
     stiff : "stop" or "run"
-        What to do where stability, not accuracy, limits the steps (h |lambda| > 3.4 in 15 tests) and the rest of the
+        Action if stability, not accuracy, limits the steps (h |lambda| > 3.4 in 15 tests) and the rest of the
         run needs more than 2e5 steps times bodies: stop with an `IntegrationError` that names the force, or go on.
 
     Examples
@@ -93,7 +84,7 @@ class DOP853(Method):
 
     @property
     def patience(self) -> float:  # type: ignore[override]  # frozen, as a field is
-        """Return the work [steps times bodies] a stiff run with adaptive steps may take; fixed steps are not judged."""
+        """Return the work [steps x bodies] a stiff run with adaptive steps may take; fixed steps are not limited."""
         return STIFF_WORK_MAX if self.stiff == "stop" else np.inf
 
     def start(self, model: Model, data: Callable[[type], Data]) -> Stages:

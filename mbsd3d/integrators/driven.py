@@ -45,7 +45,7 @@ EXTRAPOLATION_WEIGHTS = np.array([6.0, -15.0, 20.0, -15.0, 6.0, -1.0])
 
 
 class Extrapolated(NamedTuple):
-    """Pose that is extrapolated from earlier ones."""
+    """Pose extrapolated from earlier ones."""
 
     y: np.ndarray
     dy: np.ndarray
@@ -57,9 +57,9 @@ class Kinematic(Method):
     """No ODE: for systems whose drivers determine the whole motion (rank of the rows = 6 per body).
 
     Work, impulse and internal states of forces are integrated over the poses by the trapezoidal rule, of order 2: more
-    samples or a smaller ``max_step`` make them as exact as needed. All else does not depend on the distance of poses.
-    ``max_step`` [s] bounds the distance between poses, so that Newton stays on its branch. A condition to stop is
-    watched between the poses too, on cubics through them.
+    samples or a smaller ``max_step`` make them as exact as needed. Nothing else depends on the distance of poses.
+    ``max_step`` [s] limits the time between poses, so Newton's method stays on its branch. A stop condition is
+    monitored between the poses too, on cubics through them.
 
     Examples
     --------
@@ -246,7 +246,7 @@ def next_regular(m, d, s, own, run, t_output):
 
 @inner_kernel
 def step(m, d, s, own, run, t_output):
-    """Go to the next pose on the way to t_output; return RUNNING or a reason to come back to Python."""
+    """Go to the next pose on the way to t_output; return RUNNING or a reason to return to Python."""
     status, t_new = next_regular(m, d, s, own, run, t_output)
     h, before = t_new - run.now.t, run.rows.pivot
     note_rows(s, run)
@@ -285,7 +285,7 @@ def follow(m, d, s, own, run, budget):
             if status != RUNNING:
                 return status
         if run.now.t >= t_output and run.now.fresh == 0:
-            write(m, d, run, t_output, run.y)
+            write(m, d, s, run, t_output, run.y)
             run.now.next_output += 1
         if not rows_hold(m, d, s, run):
             return NEW_TREE

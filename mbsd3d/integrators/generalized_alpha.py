@@ -61,7 +61,7 @@ PAST = [
     ("first", int),  # 1 before the first step
     ("step", float),  # s, length of the last step
     ("matrix", int),  # 1 when there is a matrix of Newton's method
-    ("matrix_step", float),  # s, h_v of the step it belongs to
+    ("matrix_step", float),  # s, the step it belongs to
 ]
 
 
@@ -86,13 +86,13 @@ class Alpha(NamedTuple):
 class GeneralizedAlpha(Method):
     """Implicit method of order 2 for stiff systems: stiff springs, bushings, contact dampers, controllers.
 
-    Its step follows the motion asked for, not the fastest frequency in the model. What the step does not resolve is
-    damped by the factor ``rho`` per step; the energy lost so is not hidden: the balance of the certificate shows it.
+    The step size follows the slow motion, not the highest frequency in the model. Motion that it does not resolve is
+    damped by the factor ``rho`` per step; the energy balance of the certificate shows the energy lost.
 
     Parameters
     ----------
     dt : float or None
-        Fixed step [s], adjusted to land on ``t_end``, split where signals turn; None = adaptive: the
+        Fixed step [s], adjusted to end at ``t_end``, split at kinks of signals; None = adaptive: the
         local error is held to ``rtol``.
     rho : float
         Spectral radius at infinite frequency, 0 (damps at once) ... 1 (no numerical damping).

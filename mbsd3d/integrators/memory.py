@@ -1,4 +1,4 @@
-"""Memory of a run: its task, what the time loop writes, and its reasons to come back to Python."""
+"""Memory of a run: its task, the output of the time loop, and its reasons to return to Python."""
 
 from typing import NamedTuple
 
@@ -52,6 +52,8 @@ NOW = [
     ("jump", float),  # what velocities change in fixed steps in which bodies touch, over the greatest, added up,
     ("jump_most", float),  # the most in one of them,
     ("jump_by", int),  # and its force
+    ("overlap", float),  # the deepest of a sphere in a sphere or a round bar, over the sum of the radii,
+    ("overlap_by", int),  # and its force
     ("fresh", int),  # nothing has been evaluated since: 1, the tree is new; 2, a signal has jumped
     ("forced", int),  # 1: the step at hand has the least length, as over a jump of a force; 2: the last one had
     ("retried", int),  # 1: the step at hand has been rejected before: it may not grow
@@ -116,8 +118,8 @@ class Run(NamedTuple):
     turns: np.ndarray  # (k, 2) where signals turn: the time [s] at which a step ends, and from which the next one goes
     # on, a rounding later where a second derivative jumps
     contacts: np.ndarray  # (k, 3) forces that touch and lift off: see `contact_steps.watched_gaps`
-    gaps: np.ndarray  # (k, 2, 4) at both ends of the step: clearance [m], its rate, angular velocity that counts, and
-    # the load that there would be if it could pull
+    gaps: np.ndarray  # (k, 2, 5) at both ends of the step: clearance [m], its rate, angular velocity that counts, the
+    # load that there would be if it could pull, and the overlap of round bodies over the sum of their radii
     out: np.ndarray  # (capacity, width) samples: t, y, accelerations (6n), lam (m), hinge coordinates, potential and
     # power of the forces, largest |c| and |J v - b| over all rows
     audit: np.ndarray  # (6, audit states) of fixed steps: integrals, errors of theirs, last rates: auditing.py
@@ -136,7 +138,7 @@ def allocate_run(
         F=np.zeros((terms, y.size)),
         task=single(TASK), now=single(NOW), rows=single(ROWS), watch=table(WATCH, conditions),
         stiffness=single(STIFFNESS),
-        times=times, turns=turns, contacts=contacts, gaps=np.zeros((len(contacts), 2, 4)),
+        times=times, turns=turns, contacts=contacts, gaps=np.zeros((len(contacts), 2, 5)),
         out=np.zeros((capacity, width)), audit=np.zeros((6, audits)),
     )  # fmt: skip
 

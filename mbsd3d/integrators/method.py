@@ -1,4 +1,4 @@
-"""Interface of a method of integration."""
+"""Interface of an integration method."""
 
 from collections.abc import Callable
 from typing import Protocol, runtime_checkable
@@ -17,7 +17,7 @@ def check_max_step(step: float, method: str) -> None:
 
 
 class ExplainedProtocol(ChecksArguments, type(Protocol)):  # type: ignore[misc]  # its name is private
-    """Protocol whose wrong calls are answered by the public names of its methods."""
+    """Metaclass of a protocol whose errors for wrong calls quote the public names of its methods."""
 
 
 @runtime_checkable
@@ -48,5 +48,5 @@ class Method(Protocol, metaclass=ExplainedProtocol):
         Raises
         ------
         InputError
-            If the method cannot do what the model asks for.
+            If the method cannot integrate the model.
         """

@@ -21,7 +21,7 @@ from ..kernels.kinds import PROJECTION
 from ..kernels.kinematics import kinematics, quaternion_rate
 from ..kernels.layout import Data, Model
 from ..kernels.rows import row_speed, rows
-from ..kernels.vectors import add, cross, dot, mat, pair, put6, rotate, scale, sub, vec
+from ..kernels.vectors import add, copy, cross, dot, mat, pair, put6, rotate, scale, sub, vec
 
 COMPLEX_STEP = 1e-40  # [1] imaginary part of a complex step: its square vanishes, so derivatives are exact to rounding
 
@@ -34,6 +34,7 @@ class Newton(NamedTuple):
     lam: np.ndarray  # (m,) multipliers at the end of the step, zero in skipped rows
     move: np.ndarray  # (n, 3) rotation vector of the step, body axes
     x: np.ndarray  # (6 n + internal states + m,) residual, then correction
+    rest: np.ndarray  # the residual that is left to solve for
     A: np.ndarray  # its matrix dr/dx, then its factors L and U
     pivot: np.ndarray  # row exchanges
     data: Data  # complex work space
@@ -47,9 +48,9 @@ def new_newton(model: Model, data: Data) -> Newton:
     n, m, ny = model.body.size, model.row.size, 13 * model.body.size + model.state.size
     size = 6 * n + model.z_work + m
     return Newton(
-        rate=np.zeros(ny), lam=np.zeros(m), move=np.zeros((n, 3)), x=np.zeros(size), A=np.zeros((size, size)),
-        pivot=np.zeros(size, np.int64), data=data, y_c=np.zeros(ny, complex), rate_c=np.zeros(ny, complex),
-        x_c=np.zeros(size, complex),
+        rate=np.zeros(ny), lam=np.zeros(m), move=np.zeros((n, 3)), x=np.zeros(size), rest=np.zeros(size),
+        A=np.zeros((size, size)), pivot=np.zeros(size, np.int64), data=data, y_c=np.zeros(ny, complex),
+        rate_c=np.zeros(ny, complex), x_c=np.zeros(size, complex),
     )  # fmt: skip
 
 
@@ -64,7 +65,7 @@ def inertia_force(fixed, body, linear, alpha):
 @inner_kernel
 def add_reflected_force(m, d, i, rate, r):
     """Add the inertia force of reflected inertia i to the residuals of its bodies."""
-    own, on, n = d.reflected[i], m.coordinate[m.reflected[i].coordinate].body, m.body.shape[0]
+    own, on, n = d.reflected[i], m.reflected[i].body, m.body.shape[0]
     total = own.bias + 0.0 * rate[0]
     for end in range(2):
         if on[end] < n:
@@ -256,6 +257,23 @@ def lu_solve(A, pivot, x, n):
         for j in range(i + 1, n):
             x[i] -= A[i, j] * x[j]
         x[i] /= A[i, i]
+
+
+@inner_kernel
+def solve_for_correction(m, s, w):
+    """Solve x := A^-1 x with the minimum-norm multipliers of redundant rows.
+
+    Where the pose has turned since A was made, such rows differ by what no motion of A gives, and mu turns that into
+    huge multipliers. The first solution has the motion right: the second asks the rows for no more than it gives.
+    """
+    free, count = 6 * m.body.shape[0] + m.z_work, s.used.shape[0]
+    size = free + count
+    copy(w.rest, w.x)
+    lu_solve(w.A, w.pivot, w.x, size)
+    for i in range(count):
+        w.rest[free + i] += s.state.mu / m.row[s.used[i]].scale ** 2 * w.x[free + i]
+    copy(w.x, w.rest)
+    lu_solve(w.A, w.pivot, w.x, size)
 
 
 @inner_kernel

@@ -1,4 +1,4 @@
-"""Samples of a run, and its end where a condition comes true, both by dense output within an accepted step.
+"""Samples of a run and its end at a stop condition, both by dense output within an accepted step.
 
 A method hands in two functions of its own: ``dense(m, d, s, own, run, h)`` fills the coefficients F of its dense
 output, ``advance_to(m, d, s, own, run, t, x, h)`` brings trial and its rate to t, x after the start of the step h.
@@ -11,15 +11,18 @@ from ..dynamics.contact_steps import start_watching
 from ..dynamics.spinning import farthest_turn, rate_without_spin, restore_spin
 from ..dynamics.state_rates import FACTOR_FROM_OTHER_POSE, PROJECTED, evaluate, project_and_evaluate
 from ..dynamics.turning import compare_poses, hermite_of_rotations
-from ..kernels.coordinates import coordinate, measure, remember
+from ..kernels.coordinates import coordinate, remember
 from ..kernels.kinematics import kinematics
-from ..kernels.rows import row_speed
+from ..kernels.measures import measure
+from ..kernels.rows import row_speed, rows
 from ..kernels.vectors import add_scaled, copy, finite
+from ..solver.compact_links import set_link_multipliers
 from ..solver.saddle_point import SOLVED
 from .memory import FULL, NO_SOLUTION, NOT_CLOSING, RUNNING, STOPPED
 from .step_control import hermite, interpolate, note_rows, update_scales
 
 EVENT_NEWTON_STEPS = 6  # [steps] of Newton's method to the time of an event; the first uses the dense output
+JUMP_MISS_SHARE = 1e-12  # [1] of a step: first try to land behind a jump that a step of the method has missed
 EVENT_SCAN_INTERVALS = 8  # [intervals] of a step, or of a radian that a body turns in it, searched for an event
 MONOTONE_TURN_MAX = 1.0  # [rad] in a step up to which a measure rises and falls once at most
 
@@ -27,8 +30,11 @@ GOLDEN_RATIO_INVERSE = 0.5 * (np.sqrt(5.0) - 1.0)
 
 
 @kernel
-def write(m, d, run, t, y):
+def write(m, d, s, run, t, y):
     """Store the sample whose evaluation is in d."""
+    if s.state.compact == 1:
+        set_link_multipliers(m, d, s)
+        rows(m, d, t)
     out = run.out[run.now.written]
     out[0] = t
     k = 1
@@ -78,7 +84,7 @@ def evaluate_start(m, d, s, run):
     start_watching(m, d, run)
     start = now.steps == 0 and now.written == 0 and now.next_output == 0
     if (start or now.fresh == 2) and output_until(run, now.t):
-        write(m, d, run, now.t, run.y)
+        write(m, d, s, run, now.t, run.y)
         now.next_output += 1
     now.fresh = 0
     return RUNNING
@@ -106,7 +112,7 @@ def samples_before(m, d, s, run, h, t_last):
         if status != PROJECTED or result != SOLVED:
             return NO_SOLUTION
         run.rows.lowest = min(run.rows.lowest, s.state.pivot)  # samples may lie nearer to singular positions than steps
-        write(m, d, run, t, run.work)
+        write(m, d, s, run, t, run.work)
         if run.task.every_step == 1:
             run.now.inside += 1
         else:
@@ -218,17 +224,36 @@ def missing_time(m, d, s, run, h, t) -> float:
     return dt if abs(dt) <= 0.1 * h else 0.0
 
 
+@late_kernel
+def has_jumped(m, d, s, run, h, x) -> bool:
+    """Return whether the condition is true by more than its slack at a fraction of the step found by bisection."""
+    return condition_inside(m, d, s, run, h, x) > run.task.slack
+
+
+@late_kernel
+def holds_at_end(m, d, s, run, t) -> bool:
+    """Return whether the condition is true at the trial state."""
+    return condition(m, d, s, run, t, run.trial) >= 0.0
+
+
 @merged_kernel
 def land(m, d, s, own, run, h, x, advance_to):
     """Return (RUNNING, time) with the state where the condition comes true in trial, near x after the start.
 
-    Newton on the time, each with a step of the method itself where its dense output would be less exact.
+    Newton on the time, each with a step of the method itself where its dense output would be less exact. Where the
+    condition jumps, as a load does at the touch of a damped stop, bisection has found the time: the state is behind it.
     """
-    t = run.now.t
+    t, behind = run.now.t, JUMP_MISS_SHARE * h
+    jumps = run.now.hop == 0.0 and has_jumped(m, d, s, run, h, x / h)
     for left in range(EVENT_NEWTON_STEPS, 0, -1):
         status = advance_to(m, d, s, own, run, t + x, x, h)
         if status != RUNNING:
             return status, t
+        if jumps:
+            if left == 1 or holds_at_end(m, d, s, run, t + x):
+                break
+            x, behind = min(x + behind, h), 100.0 * behind
+            continue
         dt = missing_time(m, d, s, run, h, t + x)
         if left == 1 or run.now.hop > 0.0 or abs(dt) <= 1e-16 * h:
             break
@@ -238,10 +263,10 @@ def land(m, d, s, own, run, h, x, advance_to):
 
 @late_kernel
 def halt(m, d, s, run, t) -> int:
-    """End the run at t, where trial has been accepted as the state at which the condition comes true."""
+    """End the run at t, where trial has been accepted as the state at which the condition becomes true."""
     compare_poses(m, run, t - run.now.t)
     evaluate(m, d, s, t, run.trial, run.dy)
-    write(m, d, run, t, run.trial)
+    write(m, d, s, run, t, run.trial)
     remember(m, d, t)
     copy(run.y, run.trial)
     run.now.t = t
@@ -344,6 +369,6 @@ def outputs(m, d, s, own, run, t_new, h, dense, advance_to):
     if inside or watched:
         evaluate(m, d, s, t_new, run.trial, run.work_rate)  # the work space belongs to the end of the step again
     if output_until(run, t_new):
-        write(m, d, run, t_new, run.trial)
+        write(m, d, s, run, t_new, run.trial)
         run.now.next_output += 1
     return RUNNING

@@ -83,7 +83,7 @@ class RadauIIA(Method):
     Parameters
     ----------
     dt : float or None
-        Fixed step [s], adjusted to land on ``t_end``, split where signals turn; None = adaptive: the
+        Fixed step [s], adjusted to end at ``t_end``, split at kinks of signals; None = adaptive: the
         local error is held to ``rtol``.
     max_step : float
         Longest step [s].

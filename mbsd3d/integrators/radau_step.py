@@ -7,6 +7,7 @@ from ..dynamics.contact_steps import may_hide_contact
 from ..dynamics.spinning import find_turns
 from ..dynamics.state_rates import FACTOR_FROM_OTHER_POSE, PROJECTED, evaluate, project_and_evaluate, rounding
 from ..dynamics.turning import compare_poses, turns_are_certain
+from ..kernels.kinds import PROJECTION
 from ..kernels.vectors import copy, finite
 from ..solver.saddle_point import SOLVED
 from .memory import NEW_TREE, NO_SOLUTION, NOT_CLOSING, NOT_CONVERGED, RUNNING, STEP_TOO_SMALL
@@ -48,6 +49,19 @@ def unit(m, run, k):
 
 
 @inner_kernel
+def state_rate(m, d, s, t, y, dy):
+    """Evaluate dy at (t, y); return False where it has no solution. Rows that repeat others are evaluated on c = 0.
+
+    There alone they agree: at a distance e from it the accelerations that they ask for would differ by O(1) / e, and
+    no matrix would do. Projected, y changes; the rate on c = 0 is the same function, and smooth.
+    """
+    if m.stabilisation == PROJECTION and s.state.rank < s.loop.shape[0]:
+        projected, solved = project_and_evaluate(m, d, s, t, y, dy, FACTOR_FROM_OTHER_POSE)
+        return projected == PROJECTED and solved == SOLVED
+    return evaluate(m, d, s, t, y, dy) == SOLVED
+
+
+@inner_kernel
 def differentiate(m, d, s, run, g):
     """Compute J = df/dy at the start of the step by forward differences, accurate enough for Newton's method."""
     N = g.J.shape[0]
@@ -56,7 +70,7 @@ def differentiate(m, d, s, run, g):
         run.work[j] += DIFFERENCE_SHARE * unit(m, run, j)
         step = run.work[j] - run.y[j]
         run.now.evaluations += 1
-        if evaluate(m, d, s, run.now.t, run.work, run.work_rate) != SOLVED:
+        if not state_rate(m, d, s, run.now.t, run.work, run.work_rate):
             return False
         for i in range(N):
             g.J[i, j] = (run.work_rate[i] - run.dy[i]) / step
@@ -99,7 +113,7 @@ def stage_rates(m, d, s, run, g, h):
         for k in range(g.J.shape[0]):
             run.work[k] += g.Z[i, k]
         run.now.evaluations += 1
-        if evaluate(m, d, s, run.now.t + g.c[i] * h, run.work, g.K[i]) != SOLVED:
+        if not state_rate(m, d, s, run.now.t + g.c[i] * h, run.work, g.K[i]):
             return False
     return True
 
@@ -220,7 +234,7 @@ def local_error(m, d, s, run, g, h, careful):
         for k in range(run.y.shape[0]):
             run.work[k] += run.y[k]
         run.now.evaluations += 1
-        if evaluate(m, d, s, run.now.t, run.work, run.work_rate) != SOLVED:
+        if not state_rate(m, d, s, run.now.t, run.work, run.work_rate):
             return np.inf
         error = estimate(m, run, g, h, run.work_rate)
     return error
@@ -228,7 +242,7 @@ def local_error(m, d, s, run, g, h, careful):
 
 @inner_kernel
 def attempt(m, d, s, run, g):
-    """Return (RUNNING, t_new, h) after a step within the tolerance, or why there is none; adapt the step."""
+    """Return (RUNNING, t_new, h) after a step within the tolerance, or the reason for rejecting it; adapt the step."""
     rejected, fixed = False, run.task.steps > 0
     while True:
         t_new, h = end_of_step(run)
@@ -266,7 +280,7 @@ def accept(run, g, h):
 
 @inner_kernel
 def step(m, d, s, g, run):
-    """Take one accepted step with its outputs; return RUNNING or a reason to come back to Python."""
+    """Take one accepted step with its outputs; return RUNNING or a reason to return to Python."""
     status, t_new, h = attempt(m, d, s, run, g)
     if status != RUNNING:
         return status
@@ -284,7 +298,7 @@ def step(m, d, s, g, run):
         return status
     compare_poses(m, run, h)
     accept(run, g, h)
-    go_on(m, d, run, t_new)
+    go_on(m, d, s, run, t_new)
     return RUNNING if rows_hold(m, d, s, run) else NEW_TREE
 
 

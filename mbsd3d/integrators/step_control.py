@@ -6,7 +6,7 @@ from ..compiler.decorators import inner_kernel, merged_kernel
 from ..dynamics.auditing import begin_audit, go_on_auditing
 from ..dynamics.contact_steps import advance_contact_watch
 from ..dynamics.spinning import restore_spin
-from ..dynamics.state_rates import skipped_residual
+from ..dynamics.state_rates import largest_residuals
 from ..dynamics.turning import turn_on
 from ..kernels.coordinates import remember
 from ..kernels.kinds import PROJECTION
@@ -37,14 +37,14 @@ def full(run):
 def take_steps(m, d, s, own, run, budget, start, step):
     """Take up to `budget` steps.
 
-    Return DONE, RUNNING when the budget is used up, or a reason to come back to Python.
+    Return DONE, RUNNING when the budget is used up, or a reason to return to Python.
     """
     for _ in range(budget):
         if run.now.fresh > 0:
             status = start(m, d, s, own, run)
             if status != RUNNING:
                 return status
-            begin_audit(m, d, run)
+            begin_audit(m, d, s, run)
         if run.now.t >= run.task.t_end:
             return DONE
         if full(run):
@@ -111,11 +111,11 @@ def pass_turn(run):
 
 
 @inner_kernel
-def go_on(m, d, run, t_new):
+def go_on(m, d, s, run, t_new):
     """Make the end of a step, which is in d, the start of the next one."""
     remember(m, d, t_new)
     update_scales(m, d, run)
-    go_on_auditing(m, d, run, t_new - run.now.t)
+    go_on_auditing(m, d, s, run, t_new - run.now.t)
     run.now.t = t_new
     run.now.steps += 1
     advance_contact_watch(run)
@@ -241,7 +241,7 @@ def rows_hold(m, d, s, run):
     if rows.worn == 1:
         return False
     if s.skipped.shape[0] > 0 and m.stabilisation == PROJECTION:
-        position, speed = skipped_residual(m, d, s)
+        position, speed = largest_residuals(m, d, s.skipped)
         rows.residual = position
         return position <= tolerance and speed <= tolerance * max(run.now.speed, run.now.turn)
     return True

@@ -1,9 +1,10 @@
-"""Hinge coordinates (angle or slide of a joint, with its gradient) and measures (scalar functions of the state).
+"""Hinge coordinates: angle or slide of a joint, with its gradient.
 
 Angle between x_a, y_a (fixed in a) and x_b (fixed in b): theta = atan2(x_b.y_a, x_b.x_a), exact off the joint's
 manifold too. Slide: s = n_a . (p_b - p_a). Path: length s along a curve x(s) of a up to where it is nearest to p_b;
-touch: to where it is highest over a face of b. Angles are unwrapped against the last accepted state, with the mean of
-the rates there and now, never by a counter; curves are searched from there.
+touch: to where it is highest over a face of b. Bearing: angle from x_a towards y_a of p_b - p_a. Angles are unwrapped
+against the last accepted state, with the mean of the rates there and now, never by a counter; curves are searched from
+there.
 """
 
 import math
@@ -15,25 +16,14 @@ from numba import types
 from ..compiler.arguments import Reference
 from ..compiler.decorators import inner_kernel, kernel, late_kernel
 from ..compiler.late import late
+from .force_laws import series
 from .kinds import (
     ANGLE,
-    CLEARANCE,
-    COORDINATE,
-    COORDINATE_RATE,
-    GAP,
-    HOLDING,
-    LEAN,
-    OWN_STATE,
+    BEARING,
     PATH,
-    POSITION,
-    PRESS,
-    REACTION_FORCE,
-    REACTION_MOMENT,
     SLIDE,
-    TURN,
-    VELOCITY,
 )
-from .surfaces import contact_parameters, highest, meeting, nearest, pressure
+from .surfaces import highest, nearest
 from .vectors import add, arm, cross, dot, mat, point, point_velocity, rotate, scale, sub, turning, vec
 
 
@@ -42,17 +32,11 @@ def number_of(d: Reference) -> types.Type:
     return d.fields.types[d.fields.fields.index("z")].dtype
 
 
-def of_measure(m: Reference, d: Reference, *given: types.Type) -> types.Type:
-    """Return the types of the results of `measure`."""
-    return number_of(d)
-
-
 def of_coordinate(m: Reference, d: Reference, *given: types.Type) -> types.Type:
     """Return the types of the results of `coordinate`."""
     return types.Tuple([*[number_of(d)] * 2, *[types.UniTuple(number_of(d), 3)] * 4])
 
 
-MeasureValue = Annotated[complex, of_measure]
 CoordinateValues = Annotated[tuple, of_coordinate]
 
 
@@ -156,6 +140,29 @@ def touch(m, d, i, t) -> CoordinateValues:
     return s, bias, zero, scale(-1.0, turn), zero, turn
 
 
+@late_kernel
+def bearing(m, d, i, t) -> CoordinateValues:
+    """Return (value, J_dot v, blocks on a and b as (linear, angular)) of bearing i.
+
+    With X and Y the slides of p_b along x_a and y_a: theta_dot = (X Y_dot - Y X_dot) / (X^2 + Y^2).
+    """
+    x = m.coordinate[i]
+    a, b = d.body[x.body[0]], d.body[x.body[1]]
+    sa, sb = arm(a, x.point[0]), arm(b, x.point[1])
+    X, X_bias, la, ta, lb, tb = slide_along(a, b, arm(a, x.axis[0]), sa, sb)
+    Y, Y_bias, ma, ua, mb, ub = slide_along(a, b, arm(a, x.axis[1]), sa, sb)
+    va, wa, vb, wb = vec(a.velocity), vec(a.w), vec(b.velocity), vec(b.w)
+    X_dot = dot(la, va) + dot(ta, wa) + dot(lb, vb) + dot(tb, wb)
+    Y_dot = dot(ma, va) + dot(ua, wa) + dot(mb, vb) + dot(ub, wb)
+    square = X * X + Y * Y
+    p, q = -Y / square, X / square
+    rate = p * X_dot + q * Y_dot
+    bias = p * X_bias + q * Y_bias - 2.0 * rate * (X * X_dot + Y * Y_dot) / square
+    la, ta = add(scale(p, la), scale(q, ma)), add(scale(p, ta), scale(q, ua))
+    lb, tb = add(scale(p, lb), scale(q, mb)), add(scale(p, tb), scale(q, ub))
+    return unwrapped(d, i, arctan2(Y, X), rate, t), bias, la, ta, lb, tb
+
+
 @late
 @kernel
 def coordinate(m, d, i, t) -> CoordinateValues:
@@ -167,6 +174,8 @@ def coordinate(m, d, i, t) -> CoordinateValues:
         return slide(m, d, i)
     if kind == PATH:
         return path(m, d, i, t)
+    if kind == BEARING:
+        return bearing(m, d, i, t)
     return touch(m, d, i, t)
 
 
@@ -181,6 +190,18 @@ def value_and_rate(m, d, i, t):
         return unwrapped(d, i, arctan2(sine, cosine), rate, t), rate
     value, _, la, ta, lb, tb = coordinate(m, d, i, t)
     return value, dot(la, vec(a.velocity)) + dot(ta, vec(a.w)) + dot(lb, vec(b.velocity)) + dot(tb, vec(b.w))
+
+
+@inner_kernel
+def sum_and_rate(m, d, p, t):
+    """Return the weighted sum of the coordinates that a force reads, and its rate."""
+    weights = series(m, p, 0, p.measures)
+    x, rate = 0.0, 0.0
+    for i in range(p.measures):
+        value, speed = value_and_rate(m, d, m.measure[p.measure + i].coordinate, t)
+        x += weights[i] * value
+        rate += weights[i] * speed
+    return x, rate
 
 
 @kernel
@@ -208,73 +229,9 @@ def miscount(m, d, t):
     largest = 0.0
     for i in range(m.coordinate.shape[0]):
         kind, period = m.coordinate[i].kind, 2.0 * math.pi
-        if kind != ANGLE:
+        if kind != ANGLE and kind != BEARING:
             period = m.number[m.coordinate[i].number + 1] if kind != SLIDE else 0.0
         if period > 0.0:
             value, rate = value_and_rate(m, d, i, t)
             largest = max(largest, abs(value - predicted(d, i, t, rate)) * (2.0 * math.pi / period))
     return largest
-
-
-@late_kernel
-def of_contact(m, d, p) -> MeasureValue:
-    """Return clearance [m] or normal force [N] of a contact."""
-    f = m.force[p.force]
-    own = contact_parameters(m.number, f.number)
-    plane, _, _, gap, velocity = meeting(own, f, d.body[f.body[0]], d.body[f.body[1]])
-    return gap if p.kind == CLEARANCE else pressure(own, gap, -dot(plane[2], velocity))[0]
-
-
-@late_kernel
-def of_reaction(m, d, p) -> MeasureValue:
-    """Return a component of the force [N] or moment [N m] of a joint on its body b, or its size where no axis is given.
-
-    The multipliers and rows in ``d`` must be those of its state: see `dynamics.state_rates.evaluate`.
-    """
-    b = d.body[p.body[1]]
-    force, moment = scale(0.0, vec(b.w)), scale(0.0, vec(b.w))
-    for k in range(p.row, p.row + p.rows):
-        for slot in range(4):
-            if m.row[k].body[slot] == p.body[1]:
-                J = d.row[k].J[slot]
-                force = sub(force, scale(d.row[k].lam, (J[0], J[1], J[2])))
-                moment = sub(moment, scale(d.row[k].lam, (J[3], J[4], J[5])))
-    load = force if p.kind == REACTION_FORCE else sub(moment, cross(arm(b, p.point[1]), force))
-    axis = arm(d.body[p.body[0]], p.axis)
-    return dot(axis, load) if dot(axis, axis).real > 0.0 else np.sqrt(dot(load, load))
-
-
-@late
-@kernel
-def measure(m, d, i, t) -> MeasureValue:
-    """Return measure i: hinge coordinate or rate, point along an axis (b relative to a), w . axis, lean, or others."""
-    p = m.measure[i]
-    if p.kind == COORDINATE:
-        return coordinate(m, d, p.coordinate, t)[0]
-    if p.kind == COORDINATE_RATE:
-        return coordinate_rate(m, d, p.coordinate, t)
-    if p.kind == OWN_STATE:
-        return d.z[p.state]
-    if p.kind == CLEARANCE or p.kind == PRESS:
-        return of_contact(m, d, p)
-    if p.kind == REACTION_FORCE or p.kind == REACTION_MOMENT:
-        return of_reaction(m, d, p)
-    if p.kind == HOLDING:
-        return -d.row[p.row].lam
-    a, b, axis = d.body[p.body[0]], d.body[p.body[1]], vec(p.axis)
-    sa, sb = arm(a, p.point[0]), arm(b, p.point[1])
-    gap = sub(point(b, sb), point(a, sa))
-    if p.kind == POSITION:
-        return dot(axis, gap)
-    if p.kind == GAP:
-        return np.sqrt(dot(gap, gap))
-    if p.kind == VELOCITY:
-        return dot(axis, sub(point_velocity(b, sb), point_velocity(a, sa)))
-    if p.kind == TURN:
-        return dot(axis, sub(vec(b.w), vec(a.w)))
-    side = arm(b, p.axis)  # lean: elevation of the body's lateral axis
-    level = np.sqrt(side[0] * side[0] + side[1] * side[1])
-    if p.kind == LEAN:
-        return arctan2(side[2], level)
-    side_dot = cross(vec(b.w), side)
-    return (side_dot[2] * level - side[2] * (side[0] * side_dot[0] + side[1] * side_dot[1]) / level) / dot(side, side)

@@ -47,6 +47,17 @@ def apply_along_gradient(d, bodies, out):
 
 
 @inner_kernel
+def stop_load(k, c, depth, rate):
+    """Return (load, its elastic part) of a stop that is pressed in by a depth: k d + c d_dot, never below 0."""
+    load = elastic = 0.0 * rate + 0.0  # not -0
+    if depth.real > 0.0:
+        elastic = k * depth
+        if (elastic + c * rate).real > 0.0:
+            load = elastic + c * rate
+    return load, elastic
+
+
+@inner_kernel
 def line_between(d, p):
     """Return (length, its rate, unit vector from a to b, arms on a and b) of an element; NaN where points meet."""
     a, b = d.body[p.body[0]], d.body[p.body[1]]

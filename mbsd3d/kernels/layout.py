@@ -48,14 +48,16 @@ ROW = [
     ("drive", int),  # number of the driven row (its work is a state), -1 = not driven
 ]
 COORDINATE = [
-    ("kind", int),  # angle or slide; path: of a point along a curve of a; touch: of a face of b along it
+    ("kind", int),  # angle or slide; path: of a point along a curve of a; touch: of a face of b along it; bearing
     ("body", int, 2),
     ("point", float, (2, 3)),  # m, body axes
-    ("axis", float, (3, 3)),  # angle: x_a, y_a in a, x_b in b; slide: direction in a; touch: normal in b; body axes
+    ("axis", float, (3, 3)),  # angle: x_a, y_a in a, x_b in b; bearing: x_a, y_a; slide: in a; touch: in b; body axes
     ("number", int),  # first of the numbers of the curve in Model.number: see surfaces.py
 ]
 REFLECTED = [
-    ("coordinate", int),  # hinge coordinate x of a joint that has
+    ("coordinate", int),  # hinge coordinate x of a joint; -1: it is a rate about an axis of b, of no angle
+    ("body", int, 2),
+    ("axis", float, 3),  # that axis, body axes of b
     ("inertia", float),  # kg m^2 or kg, I of the kinetic energy I x_dot^2 / 2
 ]
 FORCE = [
@@ -87,9 +89,9 @@ MEASURE = [
     ("axis", float, 3),  # world axes, or body axes of the second body
     ("coordinate", int),
     ("state", int),  # place in z of the state it reads
-    ("force", int),  # number of the contact it speaks of, -1 = none
-    ("row", int),  # first row of the joint whose reaction it is,
-    ("rows", int),  # and their number
+    ("force", int),  # number of the contact or rope it speaks of, -1 = none
+    ("row", int),  # first row of the joint whose reaction it is, or number of the section of a rope,
+    ("rows", int),  # and number of rows
 ]
 STATE = [("unit", float), ("power", float)]  # error of a state of z is measured against unit speed^power
 
@@ -125,6 +127,7 @@ class Model(NamedTuple):
     baumgarte_position: float  # b [1/s^2] of gamma -= a (J v - b) + b c
 
 
+@cache
 def data_records(dtype: type) -> dict[str, list]:
     """Return the record fields of the work space for real or complex numbers."""
     return {
@@ -149,12 +152,12 @@ def data_records(dtype: type) -> dict[str, list]:
             ("alpha", dtype, 3),  # rad/s^2, R'w_dot
         ],
         "row": [
-            ("c", dtype),  # residual, m or rad              } computed by rows
-            ("J", dtype, (4, 6)),  # blocks per slot
+            ("lam", dtype),  # multiplier, zero in skipped rows } saddle point
+            ("bottom", dtype),  # right side of the lower rows
+            ("c", dtype),  # residual, m or rad               } computed by rows
             ("b", dtype),  # right side of J v = b
             ("gamma", dtype),  # right side of J v_dot = gamma
-            ("bottom", dtype),  # right side of the lower rows } saddle point
-            ("lam", dtype),  # multiplier, zero in skipped rows
+            ("J", dtype, (4, 6)),  # blocks per slot
         ],
         "force": [
             ("potential", dtype),  # J stored            } computed by loads
@@ -193,6 +196,7 @@ class Data(NamedTuple):
     state_rate: np.ndarray  # (z_work,) their rates, computed by loads
     pose: np.ndarray  # (MOST_BODIES,) scratch of custom forces: what their function reads,
     wrench: np.ndarray  # (6 MOST_BODIES + 1,) the loads it fills, and 0 when it has returned
+    scratch: np.ndarray  # (most numbers of a force,) what a law finds of each of its series, as of spans of a rope
 
 
 @by_reference
@@ -207,6 +211,8 @@ class Tree(NamedTuple):
     joint: np.ndarray  # rows of the links, side by side
     loop: np.ndarray  # (l,) loop rows in elimination order
     entry: np.ndarray  # entries, those of a link side by side in ascending order of their loop rows
+    compact: np.ndarray  # (n,) the links of a tree of hinges, slides and free bodies; none of any other mechanism,
+    loose: np.ndarray  # and primitives that are none of its joints
     skyline: np.ndarray  # (2, size) lower triangles of S and of its factor L with 1 / L_ii: S_ij is [0, line_i + j]
     vector: np.ndarray  # (5, l) right side, then multipliers of loop rows; those of sweeps; residual, step; scratch
     shares: np.ndarray  # (48,) pivots by the power of two to which they have fallen
@@ -225,9 +231,11 @@ TREE_STATE = [
     ("rank", int),  # independent loop rows, the most at the end of any step: off c = 0 rows that repeat others seem so
     ("pivot", float),  # how far the least of these has fallen, as a share of its largest pivot so far
     ("worn", int),  # 1: the rows of a link have become dependent on each other: the tree must be made anew
+    ("compact", int),  # 1: state rates and projections by `Tree.compact`
 ]
 
 
+@cache
 def tree_records(dtype: type) -> dict[str, list]:
     """Return the record fields of the tree for real or complex numbers; 6-vectors are (linear, angular) about O."""
     return {
@@ -241,8 +249,9 @@ def tree_records(dtype: type) -> dict[str, list]:
             ("alone", int),  # 1: a free body that nothing touches
             ("lines", int),  # rows that come first since they do not only turn the body; -1: not to be told apart
             ("point", int),  # 1: the first three make two points coincide
-            ("reflected", int),  # reflected inertia of the joint to the parent, -1 = none,
-            ("side", int),  # and whether the body is a (0) or b (1) of its coordinate
+            ("reflected", int),  # first reflected inertia of the joint to the parent,
+            ("reflections", int),  # their number,
+            ("side", int),  # and whether the body is a (0) or b (1) of their coordinates
             ("d", dtype, 3),  # m, from the parent's O to its own
             ("A", dtype, 9),  # articulated inertia [A B; B' C]: of the body and of all beyond it,
             ("B", dtype, 9),  # after the factorisation without what its own degrees of freedom take up
@@ -280,6 +289,38 @@ def tree_records(dtype: type) -> dict[str, list]:
             ("G", dtype, 6),  # loop row by the acceleration of the link
             ("e", dtype, 6),  # by that along each free direction
         ],
+        "compact": [
+            ("kind", int),  # COMPACT_HINGE ... of kinds.py
+            ("body", int),
+            ("up", int),  # link of the parent, -1 = the ground,
+            ("parent", int),  # and its body
+            ("on", int, 2),  # bodies a and b of the joint
+            ("row", int),  # first of its rows, which follow each other
+            ("leaf", int),  # 1: nothing is beyond it
+            ("opens", int),  # 1: of the children of its parent it stands first
+            ("reflected", int),  # first reflected inertia,
+            ("reflections", int),  # their number,
+            ("side", int),  # and which body of their coordinates the child is
+            ("entry", int),  # first of its entries,
+            ("entries", int),  # their number
+            ("sign", float),  # 1: the child is body b of the joint; -1: body a
+            ("point", float, (2, 3)),  # m, points of the joint on a and b, body axes
+            ("axis", float, (3, 3)),  # x and y in a, z in b: it holds the turns x cross z and y cross z
+            ("slide", float, (4, 3)),  # of a slide: x in a, y in b of its third turn, and normals of its line in a
+            ("d", dtype, 3),  # m, from the parent's O to its own
+            ("arm", dtype, 6),  # m, from the O of child and parent to the point of the joint
+            ("t", dtype, 9),  # dual vectors of the turns that the joint holds
+            ("n", dtype, 6),  # the motion that it leaves free
+            ("u", dtype, 6),  # inertia times that
+            ("inverse", dtype),  # of the pivot
+            ("share", dtype),  # acceleration along n as far as the load gives it
+            ("A", dtype, 6),  # articulated inertia, A and C symmetric: xx, xy, xz, yy, yz, zz,
+            ("B", dtype, 9),  # after the factorisation without what n takes up;
+            ("C", dtype, 6),  # of a free body the factors of it
+            ("p", dtype, 6),  # load of the body and of all beyond it, then what the joint carries of it
+            ("y", dtype, 6),  # acceleration that the rows prescribe
+            ("a", dtype, 6),  # acceleration
+        ],
     }
 
 
@@ -295,12 +336,24 @@ def with_attributes(fields: tuple) -> np.dtype:
     return np.dtype((np.record, record(fields)))
 
 
+TYPES: dict[int, tuple[list, np.dtype, np.dtype]] = {}
+"""Of lists of fields, which live as long as the process, by their identity: to hash one takes longer than a table."""
+
+
+def types_of(fields: list) -> tuple[list, np.dtype, np.dtype]:
+    """Return a list of fields, the type of its records, and the same with attributes in Python."""
+    found = TYPES.get(id(fields))
+    if found is None:
+        found = TYPES[id(fields)] = (fields, record(tuple(fields)), with_attributes(tuple(fields)))
+    return found
+
+
 def table(fields: list, count: int) -> np.ndarray:
     """Return a table of zero records; without the compiler its records have attributes in Python too."""
-    array = np.zeros(count, record(tuple(fields)))
+    array = np.zeros(count, types_of(fields)[1])
     return array.view(np.recarray) if numba.config.DISABLE_JIT else array
 
 
 def single(fields: list) -> np.record:
     """Return one zero record, whose fields are attributes in kernels and in Python."""
-    return np.zeros(1, with_attributes(tuple(fields)))[0]
+    return np.zeros(1, types_of(fields)[2])[0]

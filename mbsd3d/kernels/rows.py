@@ -22,9 +22,11 @@ from .kinds import (
     NO_SIDESLIP,
     ON_CURVE,
     ON_FACE,
+    ORIENT,
     RATIO,
     TURN_RATE,
 )
+from .orientations import back, orientation, product
 from .signals import polynomial, signal
 from .surfaces import GROUP_NUMBERS_COUNT, contact_row, group, highest, lowest, lowest_rate, nearest
 from .vectors import (
@@ -39,6 +41,7 @@ from .vectors import (
     point_velocity,
     put6,
     rotate,
+    rotate_back,
     scale,
     sub,
     turning,
@@ -142,7 +145,7 @@ def couple(m, d, row, p, t):
 
     The numbers are how many coordinates y has, which stand first, then the coefficients of f. A body has one slot.
     """
-    x, x_dot, of_y = 0.0, 0.0, int(m.number[p.number])
+    x, x_dot, of_y = 0.0, 0.0, int(m.number[p.number].real)
     for i in range(of_y, 4):
         if p.coordinate[i] >= 0:
             value, rate = value_and_rate(m, d, p.coordinate[i], t)
@@ -248,7 +251,7 @@ def on_curve(m, d, row, p, t):
     """Fill c = E(s) . (p_b - x(s)) - value[0] at the nearest point of the curve, E its group of directions value[1]."""
     a, b = d.body[p.body[0]], d.body[p.body[1]]
     _, s_dot, s_ddot, ds, k, u, off, along, bend, speed = nearest(m, d, p.coordinate[0], t)
-    E, E_rate, E_bend, _ = group(m.number, k + GROUP_NUMBERS_COUNT * int(p.value[1]), u)
+    E, E_rate, E_bend, _ = group(m.number, k + GROUP_NUMBERS_COUNT * int(p.value[1].real), u)
     shift = dot(E_rate, off) - dot(E, along)  # dc / ds
     bent = dot(E_bend, off) - 2.0 * dot(E_rate, along) - dot(E, bend)
     n, sb = rotate(mat(a.R), add(E, scale(shift, ds))), arm(b, p.point[1])
@@ -271,6 +274,36 @@ def on_face(m, d, row, p, t):
     arm_b_dot = add(sub(vec(a.velocity), vec(b.velocity)), arm_a_dot)
     row.c = dot(n, sub(sb, arm_b))
     contact_row(row, a, b, n, cross(wb, n), arm_b, arm_a, cross(wb, arm_b_dot), arm_a_dot)
+
+
+@late_kernel
+def orient(m, d, row, p, t):
+    """Fill c = 2 x_k of the quaternion (x_0, x) by which b misses its prescribed orientation, in axes of b.
+
+    e_b = e_a T(t) e_ab (x_0, x) with e_ab of the reference pose; k is the first of the values. With w the angular
+    velocity of the miss, in axes of b, 2 x_dot = x_0 w + x cross w, so c_dot = g . w with g = x_0 e_k + e_k cross x.
+    """
+    k, first, a, b = int(p.value[0].real), p.number + 10, d.body[p.body[0]], d.body[p.body[1]]
+    T, spin, spin_rate = orientation(m, p, p.signal - k, t)
+    e_ab = (m.number[first], m.number[first + 1], m.number[first + 2], m.number[first + 3])
+    e_a, e_b = (a.e[0], a.e[1], a.e[2], a.e[3]), (b.e[0], b.e[1], b.e[2], b.e[3])
+    e = product(back(product(product(e_a, T), e_ab)), e_b)
+    sign = -1.0 if e[0].real < 0.0 else 1.0  # of the two quaternions of the miss, that of at most half a turn
+    x_0, x, axis = sign * e[0], scale(sign, (e[1], e[2], e[3])), (1.0 * (k == 0), 1.0 * (k == 1), 1.0 * (k == 2))
+    R, wa, wb = mat(b.R), vec(a.w), vec(b.w)
+    v, v_t = sub(wb, wa), rotate(mat(a.R), spin)  # relative angular velocity, and what of it is prescribed; world
+    w = rotate_back(R, sub(v, v_t))
+    x_rate = scale(0.5, add(scale(x_0, w), cross(x, w)))
+    own = add(scale(x_0, axis), cross(axis, x))
+    own_rate = add(scale(-0.5 * dot(x, w), axis), cross(axis, x_rate))
+    g = rotate(R, own)
+    g_rate = add(rotate(R, own_rate), cross(wb, g))
+    row.c = 2.0 * x[k]
+    row.b = dot(g, v_t)
+    b_rate = dot(g_rate, v_t) + dot(g, add(cross(wa, v_t), rotate(mat(a.R), spin_rate)))
+    row.gamma = b_rate - m.gamma * dot(g_rate, v)  # teaching switch: without -J_dot v
+    put6(row.J[0], scale(0.0, g), scale(-1.0, g))
+    put6(row.J[1], scale(0.0, g), g)
 
 
 @late_kernel
@@ -328,6 +361,8 @@ def fill(m, d, p, t):
         on_curve(m, d, row, p, t)
     elif p.kind == ON_FACE:
         on_face(m, d, row, p, t)
+    elif p.kind == ORIENT:
+        orient(m, d, row, p, t)
     else:
         roll(d, p, a, b)
 
@@ -336,10 +371,30 @@ def fill(m, d, p, t):
 def reflected_rates(m, d, t):
     """Fill the rates of the coordinates that have a reflected inertia: x_dot = J v, and the bias J_dot v."""
     for i in range(m.reflected.shape[0]):
-        out = d.reflected[i]
-        _, out.bias, la, ta, lb, tb = coordinate(m, d, m.reflected[i].coordinate, t)
+        own, out = m.reflected[i], d.reflected[i]
+        if own.coordinate < 0:
+            a, b = d.body[own.body[0]], d.body[own.body[1]]
+            n, w_b = arm(b, own.axis), vec(b.w)
+            out.bias = dot(cross(w_b, n), sub(w_b, vec(a.w)))
+            put6(out.J[0], scale(0.0, n), scale(-1.0, n))
+            put6(out.J[1], scale(0.0, n), n)
+            continue
+        _, out.bias, la, ta, lb, tb = coordinate(m, d, own.coordinate, t)
         put6(out.J[0], la, ta)
         put6(out.J[1], lb, tb)
+
+
+@inner_kernel
+def fill_primitive(m, d, p, t):
+    """Fill the rows of one primitive with all that its signal and teaching switches do to them."""
+    fill(m, d, p, t)
+    if p.kind == ORIENT:  # has all of its signals in it
+        return
+    if m.gamma == 0.0:  # teaching switch: drop -J_dot v, keep the drivers' b_dot
+        for k in range(p.row, p.row + p.rows):
+            d.row[k].gamma = 0.0
+    if p.signal >= 0:
+        prescribe(m, d.row[p.row], p, t)
 
 
 @kernel
@@ -348,13 +403,16 @@ def rows(m, d, t):
     if m.reflected.shape[0] > 0:
         reflected_rates(m, d, t)
     for i in range(m.primitive.shape[0]):
-        p = m.primitive[i]
-        fill(m, d, p, t)
-        if m.gamma == 0.0:  # teaching switch: drop -J_dot v, keep the drivers' b_dot
-            for k in range(p.row, p.row + p.rows):
-                d.row[k].gamma = 0.0
-        if p.signal >= 0:
-            prescribe(m, d.row[p.row], p, t)
+        fill_primitive(m, d, m.primitive[i], t)
     if m.stabilisation == BAUMGARTE:
         for k in range(m.row.shape[0]):
             d.row[k].gamma -= m.baumgarte_velocity * row_speed(m, d, k) + m.baumgarte_position * d.row[k].c
+
+
+@kernel
+def rows_of(m, d, primitives, t):
+    """Fill c, J, b, gamma of the rows of some primitives, and the rates of reflected inertias; needs kinematics."""
+    if m.reflected.shape[0] > 0:
+        reflected_rates(m, d, t)
+    for i in primitives:
+        fill_primitive(m, d, m.primitive[i], t)

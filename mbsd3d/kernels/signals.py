@@ -1,6 +1,6 @@
 """Value, first and second derivative of a signal at time t; a signal is a sum of terms."""
 
-import math
+import numpy as np
 
 from ..compiler.decorators import kernel
 from .kinds import POLYNOMIAL, SINE
@@ -20,12 +20,12 @@ def polynomial(data, first, count, x):
 @kernel
 def spline(data, first, x):
     """Return a piecewise cubic and two derivatives: [pieces, breaks, 4 coefficients a piece, highest power first]."""
-    pieces = int(data[first])
+    pieces = int(data[first].real)
     breaks = first + 1
     low, high = 0, pieces - 1
     while low < high:
         middle = (low + high + 1) // 2
-        if data[breaks + middle] <= x:
+        if data[breaks + middle].real <= x:
             low = middle
         else:
             high = middle - 1
@@ -46,7 +46,7 @@ def signal(m, i, t):
             df, dg, dh = polynomial(m.term_data, first, term.end - first, t)
         elif term.kind == SINE:
             amplitude, omega, phase = m.term_data[first], m.term_data[first + 1], m.term_data[first + 2]
-            s, c = math.sin(omega * t + phase), math.cos(omega * t + phase)
+            s, c = np.sin(omega * t + phase), np.cos(omega * t + phase)
             df, dg, dh = amplitude * s, amplitude * omega * c, -amplitude * omega * omega * s
         else:
             df, dg, dh = spline(m.term_data, first, t)

@@ -24,12 +24,14 @@ from .vectors import add, arm, columns, cross, dot, mat, point, point_velocity, 
 
 CONTACT = Parameters(
     radii=("m", 3), tube="m", stiffness="N/m^m", exponent="1", damping="N s/m", loss="s/m", grip="N/m",
-    grip_damping="N s/m", creep="m/s", size="m", friction="1", rolling="m", spinning="m",
+    grip_damping="N s/m", creep="m/s", size="m", friction="1", rolling="m", spinning="m", other="m", half="m",
 )  # fmt: skip
 contact_parameters = CONTACT.reader()
 
 # [m^2] added to n'A n: a flat disc that lies on the plane touches it at its centre, and nothing is NaN
 DISC_REGULARISATION = 1e-300
+# [1] added to 1 + n_0 . n, which vanishes where a normal has turned by half a turn: nothing is NaN
+OPPOSITE_REGULARISATION = 1e-300
 GROUP_NUMBERS_COUNT = 18  # [numbers] of a group of a piece
 LAST_NEWTON_STEP = 1e-8  # [1] of a piece: from there one more step of Newton's method is exact
 CURVE_END_MARGIN = 1e-6  # [1] of a piece: distance past the end of an open curve that counts as the end
@@ -59,11 +61,45 @@ def lowest_rate(r, rho, u, low, h, q, n_dot, n, w):
 
 
 @inner_kernel
+def shortest_line(own, p, a, b):
+    """Return (from the axis of a sphere or capsule of a to the centre of a sphere of b, that centre), world."""
+    centre = point(b, arm(b, p.point[1]))
+    line = sub(centre, point(a, arm(a, p.point[0])))
+    u, _, _ = columns(a, p.frame[0])
+    s = dot(line, u)
+    if s.real > own.half.real:
+        s = own.half + 0.0 * s
+    elif s.real < -own.half.real:
+        s = -own.half + 0.0 * s
+    return sub(line, scale(s, u)), centre
+
+
+@inner_kernel
+def round_meeting(own, p, a, b):
+    """Return what `meeting` does where a has a sphere or capsule: the point lies midway between both surfaces.
+
+    Its plane has the normal n = line / |line|, and axes that follow n by the least turn from those of the element.
+    """
+    line, centre = shortest_line(own, p, a, b)
+    distance = np.sqrt(dot(line, line))
+    n = scale(1.0 / distance, line)
+    u, _, n_0 = columns(a, p.frame[0])
+    lean = dot(u, n) / (1.0 + dot(n_0, n) + OPPOSITE_REGULARISATION)
+    along = sub(u, scale(lean, add(n, n_0)))
+    gap = distance - own.other - own.radii[0]
+    place = sub(centre, scale(own.radii[0] + 0.5 * gap, n))
+    on_a, on_b = sub(place, vec(a.r)), sub(place, vec(b.r))
+    return (along, cross(n, along), n), on_a, on_b, gap, sub(point_velocity(b, on_b), point_velocity(a, on_a))
+
+
+@inner_kernel
 def meeting(own, p, a, b):
     """Return (axes of the plane, arms from O of a and b to the lowest point, gap, velocity of b relative to a).
 
-    p: record of a `Contact` between a and b; own: its parameters.
+    p: record of a `Contact` between a and b; own: its parameters, with ``other`` = 0 for a plane.
     """
+    if own.other.real > 0.0:
+        return round_meeting(own, p, a, b)
     plane = columns(a, p.frame[0])
     low, _, _ = lowest(vec(own.radii), own.tube, columns(b, p.frame[1]), plane[2])
     place = add(point(b, arm(b, p.point[1])), low)
@@ -126,7 +162,7 @@ def piece_of(data, breaks, n, s):
     low, high = 0, n - 1
     while low < high:
         middle = (low + high + 1) // 2
-        if data[breaks + middle] <= s:
+        if data[breaks + middle].real <= s:
             low = middle
         else:
             high = middle - 1
@@ -140,42 +176,43 @@ def search(data, first, e, weight, expected):
     weight 1: the point of the curve nearest to e; 0: its highest along e. The search goes downhill from ``expected``,
     so it stays on the branch; s counts the turns of a closed curve, and is not a number past the end of an open one.
     """
-    n, period, breaks, size = int(data[first]), data[first + 1], first + 3, GROUP_NUMBERS_COUNT * int(data[first + 2])
+    n, period, breaks = int(data[first].real), data[first + 1], first + 3
+    size, closed = GROUP_NUMBERS_COUNT * int(data[first + 2].real), period.real > 0.0
     pieces, real = breaks + n + 1, (e[0].real, e[1].real, e[2].real)
-    turns = period * math.floor((expected - data[breaks]) / period) if period > 0.0 else 0.0
-    j = piece_of(data, breaks, n, expected - turns)
+    turns = period * math.floor((expected - data[breaks].real) / period.real) if closed else 0.0 * period
+    j = piece_of(data, breaks, n, expected - turns.real)
     for _ in range(n):
-        width = data[breaks + j + 1] - data[breaks + j]
-        if slope(data, pieces + size * j, width, real, weight)[0] > 0.0 and (period > 0.0 or j < n - 1):
+        width = (data[breaks + j + 1] - data[breaks + j]).real
+        if slope(data, pieces + size * j, width, real, weight)[0].real > 0.0 and (closed or j < n - 1):
             j += 1
             if j == n:
                 j, turns = 0, turns + period
-        elif slope(data, pieces + size * j, 0.0, real, weight)[0] < 0.0 and (period > 0.0 or j > 0):
+        elif slope(data, pieces + size * j, 0.0, real, weight)[0].real < 0.0 and (closed or j > 0):
             j -= 1
             if j < 0:
                 j, turns = n - 1, turns - period
         else:
             break
-    at, start, width = pieces + size * j, data[breaks + j], data[breaks + j + 1] - data[breaks + j]
-    low = -CURVE_END_MARGIN * width if period == 0.0 and j == 0 else 0.0
-    high = (1.0 + CURVE_END_MARGIN) * width if period == 0.0 and j == n - 1 else width
-    left = slope(data, at, low, real, weight)[0] < 0.0 or slope(data, at, high, real, weight)[0] > 0.0
-    u = min(max(expected - turns - start, low), high)
+    at, start, width = pieces + size * j, data[breaks + j], (data[breaks + j + 1] - data[breaks + j]).real
+    low = -CURVE_END_MARGIN * width if not closed and j == 0 else 0.0
+    high = (1.0 + CURVE_END_MARGIN) * width if not closed and j == n - 1 else width
+    left = slope(data, at, low, real, weight)[0].real < 0.0 or slope(data, at, high, real, weight)[0].real > 0.0
+    u = min(max((expected - turns - start).real, low), high)
     for _ in range(60):
         f, rate = slope(data, at, u, real, weight)
-        if f > 0.0:
+        if f.real > 0.0:
             low = u
         else:
             high = u
-        step = u - f / rate
+        step = u - f.real / rate.real
         if not low <= step <= high:  # equal where u is the place already
             step = 0.5 * (low + high)
         done = abs(step - u) <= LAST_NEWTON_STEP * width
         u = step
         if done:
             break
-    f, rate = slope(data, at, u, e, weight)  # of e as it is: complex in a complex step
-    within = u - f / rate + (math.nan if left and period == 0.0 else 0.0)
+    f, rate = slope(data, at, u, e, weight)  # of e and the curve as they are: complex in a complex step
+    within = u - f / rate + (math.nan if left and not closed else 0.0)
     return turns + start + within, at, within
 
 

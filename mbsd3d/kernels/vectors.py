@@ -4,7 +4,7 @@ Matrices are 9-tuples in row order. Nothing here takes a norm or an absolute val
 for complex arguments (complex-step derivatives); products are transposes, never conjugates.
 """
 
-from ..compiler.decorators import inner_kernel
+from ..compiler.decorators import fused_kernel, inner_kernel
 
 
 @inner_kernel
@@ -73,25 +73,25 @@ def scale(k, a):
     return k * a[0], k * a[1], k * a[2]
 
 
-@inner_kernel
+@fused_kernel
 def dot(a, b):
     """Return a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@inner_kernel
+@fused_kernel
 def cross(a, b):
     """Return a x b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-@inner_kernel
+@fused_kernel
 def turning(w, s):
     """Return w x (w x s): centripetal acceleration of a point at s."""
     return cross(w, cross(w, s))
 
 
-@inner_kernel
+@fused_kernel
 def rotate(R, a):
     """Return R a."""
     return (
@@ -101,7 +101,7 @@ def rotate(R, a):
     )
 
 
-@inner_kernel
+@fused_kernel
 def rotate_back(R, a):
     """Return R' a."""
     return (

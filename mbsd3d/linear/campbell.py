@@ -18,6 +18,8 @@ from scipy.optimize import brentq, linear_sum_assignment
 from ..base.checks import floats, number, reporting_linalg_errors
 from ..base.errors import AssemblyError, InputError
 from ..base.rotations import matrix
+from ..base.style import Told
+from ..base.wording import counted
 from ..constraints.velocities import with_velocities
 from ..equations.at_state import load_state
 from ..equations.compiled import compile_system
@@ -59,7 +61,7 @@ class Critical(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Campbell:
+class Campbell(Told):
     """Whirl frequencies over the speed; see `mbsd3d.Campbell`."""
 
     speeds: np.ndarray  # (n,) [rad/s]
@@ -115,7 +117,7 @@ class Campbell:
         """Return one line per mode and per critical speed."""
         first, last = self.speeds[0], self.speeds[-1]
         lines = [
-            f"{self.speeds.size} speeds {first:g} ... {last:g} rad/s",
+            f"{counted(self.speeds.size, 'speed')} {first:g} ... {last:g} rad/s",
             "  whirl [rad/s] at first and last  sense     mode",
         ]
         for k, (label, whirl) in enumerate(zip(self.labels, self.whirl, strict=True)):
@@ -131,7 +133,7 @@ def sense_name(sense: float) -> str:
 
 
 def distance(whirl: Whirl, shape: np.ndarray, frequency: float) -> float:
-    """Return how unlike a mode is to a shape and a frequency [rad/s]: 0 for the same."""
+    """Return how much a mode differs from a shape and a frequency [rad/s]: 0 if equal."""
     change = abs(whirl.eigenvalue.imag - frequency) / max(whirl.eigenvalue.imag, frequency)
     return 1.0 - assurance(whirl.shape, shape) + change
 
@@ -214,7 +216,7 @@ def whirls(system: Mechanism, state: State, axis: np.ndarray, speed: float) -> l
 
 
 def groups(values: list[complex], tolerance: float) -> list[list[int]]:
-    """Return the places of equal ones among values that are sorted by frequency."""
+    """Return the indices of equal values among values that are sorted by frequency."""
     found: list[list[int]] = []
     for k, value in enumerate(values):
         if found and abs(value - values[found[-1][0]]) <= tolerance:

@@ -23,6 +23,7 @@ from ..base.checks import reporting_linalg_errors
 from ..base.concurrency import on_one_thread
 from ..base.errors import AssemblyError, EquilibriumError, InputError
 from ..base.rotations import matrix
+from ..base.style import Told
 from ..compiler.cache_folder import mark_warm
 from ..compiler.first_run import announce_compilation
 from ..constraints.assembly import moved_report
@@ -51,14 +52,14 @@ GROWTH_RATE_ROUNDING = 1e-6  # [1] of the fastest rate: growth rates that are ro
 
 
 @dataclass(frozen=True, eq=False)
-class Equilibrium:
-    """A pose of rest.
+class Equilibrium(Told):
+    """Pose of static equilibrium.
 
     ``state`` starts runs and `linearize` (its velocities are zero); ``residual`` is the largest acceleration left, in
-    units of the model's length and fastest rate; ``steps`` were taken to it; ``moved`` says how far every body has
-    moved from where the search began (distance [m], angle [rad]).
+    units of the model's length and fastest rate; ``steps`` were taken to it; ``moved`` is the displacement of every
+    body from the start of the search (distance [m], angle [rad]).
 
-    ``stability`` is "stable" (deviations die out), "stable, undamped" (they go on swinging), "neutral" (some go on
+    ``stability`` is "stable" (deviations decay), "stable, undamped" (they keep oscillating), "neutral" (some go on
     without a force), "unstable", "held" (joints and drivers leave no degree of freedom), or "unknown", with ``reason``.
     """
 
@@ -99,7 +100,7 @@ class Equilibrium:
 
     @property
     def stability(self) -> str:
-        """Return what becomes of small deviations; see the class."""
+        """Return the stability of small deviations; see the class."""
         return self._kind[0]
 
     @property

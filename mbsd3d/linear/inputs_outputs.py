@@ -1,4 +1,4 @@
-"""How inputs act on small motions, and what outputs show of them.
+"""Effect of inputs on small motions, and of small motions on outputs.
 
 With input values u that set forces, and u, u', u'' that prescribe motions, deviations X of `variations` obey
 
@@ -27,6 +27,7 @@ from ..equations.compiled import Compiled, set_input, with_own_inputs
 from ..equations.jacobian import RANK_TOLERANCE, displacement_units
 from ..equations.tables import signals_of
 from ..equations.tree import build_spanning_tree
+from ..kernels import kinds
 from ..kernels.kinematics import kinematics
 from ..kernels.layout import Tree
 from ..mechanism.bodies import GROUND, Body
@@ -51,7 +52,7 @@ Wanted = Measure | tuple[Any, ...]
 
 @dataclass(frozen=True, eq=False)
 class Effects:
-    """What k inputs change at a state of n bodies, if they grow by one."""
+    """Changes at a state of n bodies by a unit change of each of k inputs."""
 
     load: np.ndarray  # (k, n, 6) force and moment about O, world
     z_rate: np.ndarray  # (k, z_work)
@@ -83,7 +84,7 @@ def names_of(
 
 
 def factors(compiled: Compiled, signal: int, name: str) -> list[float]:
-    """Return by what a signal of the tables multiplies an input, once for each term; empty if it does not read it."""
+    """Return the factors of an input in a signal of the tables, one per term; empty if it does not read it."""
     first, end = compiled.model.signal[signal] if signal >= 0 else (0, 0)
     return [x.factor for x in compiled.inputs if x.name == name and first <= x.term < end]
 
@@ -111,6 +112,10 @@ def effects_of(field: Field, t: float, y: np.ndarray, names: Sequence[str]) -> E
         load[j], z_rate[j] = change_of_loads(field, t, y, name)
         for primitive in model.primitive:
             row = primitive["row"]
+            if primitive["kind"] == kinds.ORIENT and factors(compiled, primitive["signal"], name):
+                driver = compiled.system.name(compiled.holders[compiled.row_joint[row]])
+                raise InputError(f"state_space: input '{name}' sets an orientation, of '{driver}'; give that input to "
+                                 "an AngleDriver on a hinge, or to a torque")  # fmt: skip
             prescribed = motion if model.row["holonomic"][row] == 1 else speed
             prescribed[row, j] += sum(factors(compiled, primitive["signal"], name))
     return Effects(load, z_rate, motion, speed)
@@ -214,7 +219,7 @@ def checked_wanted(system: Mechanism, outputs: Sequence[Wanted]) -> list[Wanted]
         elif pair and x[0] == "force":
             found.append((x[0], system.part(x[1], "forces")))
         else:
-            raise InputError(f"state_space: outputs: {short_repr(x)} is no output; give {KINDS}")
+            raise InputError(f"state_space: outputs: {short_repr(x)} is not an output; give {KINDS}")
     if not found:
         raise InputError(f"state_space: no output; give {KINDS}")
     return found
@@ -314,7 +319,7 @@ def force_outputs(field: Field, part: ForceElement) -> list[Output]:
 def fixed_point(part: ForceElement, body: Body) -> np.ndarray | None:
     """Return the point of a body at which an element acts on it, world at the reference pose; None where it travels."""
     x = part.record().coordinate
-    if x is not None:
+    if x is not None and part.partners():
         joint = part.partners()[0]
         return body.position if x.kind == "angle" else joint.point() if body is joint.b else None
     carrier, point = part.acts_at(body)

@@ -11,6 +11,7 @@ import scipy.linalg
 from ..base.checks import number, reporting_linalg_errors, short_repr
 from ..base.concurrency import on_one_thread
 from ..base.errors import InputError
+from ..base.style import Told
 from ..compiler.cache_folder import mark_warm
 from ..compiler.first_run import announce_compilation
 from ..constraints.poses.pose_equations import closed
@@ -75,7 +76,7 @@ def sorting(value: complex) -> tuple[int, int, bool]:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Linearization:
+class Linearization(Told):
     """Linear equations ``x_dot = A x`` of small deviations from a motion; see `mbsd3d.Linearization`."""
 
     compiled: Compiled
@@ -201,7 +202,7 @@ def checked_outputs(system: Mechanism, outputs: Sequence[Measure] | None) -> tup
             raise InputError(f"linearize: outputs: {short_repr(x)} is not a measure; build one with mbsd3d.measures")
         check_members(system, x, "linearize: outputs")
         if x.joint is not None:
-            raise InputError(f"linearize: outputs: {x.label} is no function of the states alone; give others")
+            raise InputError(f"linearize: outputs: {x.label} is not a function of the states alone; give others")
     return tuple(outputs or ())
 
 
@@ -265,7 +266,7 @@ def has_corner(slope: Callable[[np.ndarray], np.ndarray], y: np.ndarray, move: n
 
 
 def slope_of_force(field: Field, i: int, y: np.ndarray) -> np.ndarray:
-    """Return the imaginary parts of the loads and own rates of force element i alone at a complex state."""
+    """Return the imaginary parts of loads and internal-state rates of force element i at a complex state."""
     alone = field.compiled.forces_alone(slice(i, i + 1))
     return loads_and_rates(alone, field.loaded_alone(alone, y, complex), field.t).imag
 
@@ -287,7 +288,7 @@ def matrix_of(
 
 
 def with_outputs(found: Linearization, motion: SteadyMotion, tolerance: float) -> Linearization:
-    """Divide by what the outputs do not see: return the unique A_y with L A = A_y L."""
+    """Eliminate what the outputs do not depend on: return the unique A_y with L A = A_y L."""
     _, at, later, Q = motion
     x, E = found.units.x[found.space.chosen], found.space.E
     L = at.L @ E

@@ -9,6 +9,7 @@ import numpy as np
 from ..base.checks import number, short_repr, whole
 from ..base.concurrency import on_one_thread
 from ..base.errors import AssemblyError, InputError
+from ..base.style import Told
 from ..constraints.poses.pose_equations import closed
 from ..equations.at_state import coordinate_row, load_state
 from ..equations.tree import build_spanning_tree
@@ -23,7 +24,7 @@ MOTION_NAMES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Mode:
+class Mode(Told):
     """One mode; see `mbsd3d.api.small_motions.Mode`."""
 
     linearization: "ModalAnalysis"

@@ -20,7 +20,8 @@ from numpy.typing import ArrayLike
 from ..base.checks import as_tuple, check_choice, check_size, floats, number, reporting_linalg_errors, short_repr
 from ..base.concurrency import on_one_thread
 from ..base.errors import InputError
-from ..base.style import counted
+from ..base.style import Told
+from ..base.wording import counted
 from ..equations.compiled import Switches
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals.signal import Input
@@ -59,7 +60,7 @@ RANK_ROUNDING = 1e-10  # [1] of the largest singular value: rank decisions for z
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FrequencyResponse:
+class FrequencyResponse(Told):
     """Frequency response of a `StateSpace`; see `mbsd3d.FrequencyResponse`."""
 
     w: np.ndarray  # (n,) [rad/s]
@@ -79,7 +80,7 @@ class FrequencyResponse:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class StateSpace:
+class StateSpace(Told):
     """Linear model ``z' = A z + B u, y = C z + D u + D1 u' + D2 u''``; see `mbsd3d.StateSpace`."""
 
     linearization: ModalAnalysis
@@ -145,7 +146,8 @@ class StateSpace:
         """Return the invariant zeros [1/s] of a model with as many outputs as inputs."""
         if len(self.inputs) != len(self.outputs):
             raise InputError(
-                f"zeros: {len(self.outputs)} outputs and {len(self.inputs)} inputs; zeros are those of a square model: "
+                f"zeros: {counted(len(self.outputs), 'output')} and {counted(len(self.inputs), 'input')}; "
+                "zeros are those of a square model: "
                 "give .select(outputs=..., inputs=...).zeros"
             )
         model = self if self.proper else driven_by_acceleration(self)
@@ -179,7 +181,7 @@ class StateSpace:
         return FrequencyResponse(given, H, self.outputs, self.inputs, self.output_units, self.input_units, tuple(poles))
 
     def name_of(self, s: complex, vector: np.ndarray) -> str:
-        """Return what moves most where the states (n,) move in the mode of a pole."""
+        """Return the name of what moves most in the mode of a pole, given by its states (n,)."""
         own = vector[: len(self.linearization.states)]
         if not np.abs(own / self.scale[: own.size]).max() > 1e-9 * np.abs(vector / self.scale).max():
             return "the prescribed motion"

@@ -21,7 +21,6 @@ from ..equations.at_state import worst_joint
 from ..equations.jacobian import displacement_units
 from ..kernels import kinds
 from ..kernels.layout import Model
-from ..mechanism.drivers import Driver
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals import Signal
 from .variations import Field, Tangent, Variations
@@ -57,7 +56,7 @@ def natural_units(model: Model, at: Variations, space: Tangent, damped: bool = T
 def balance(F: np.ndarray, x: np.ndarray, first: int) -> None:
     """Scale the internal states x from ``first`` on, until what each causes is as large as what causes it.
 
-    Own states that drive each other may have sizes which the motion says nothing of.
+    Internal states that drive each other may have sizes that the motion does not determine.
     """
     for _ in range(BALANCING_PASSES if x.size > first else 0):
         for j in range(first, x.size):
@@ -71,9 +70,10 @@ def check_signals(system: Mechanism) -> None:
     """Raise an InputError unless motions are uniform and speeds and loads constant: only these give fixed equations."""
     for joint in system.joints:
         for row in joint.rows():
-            degree = 0 if row.kind in (kinds.TURN_RATE, kinds.NO_SIDESLIP) else 1
+            speed = row.kind in (kinds.TURN_RATE, kinds.NO_SIDESLIP)
+            degree = 0 if speed or row.kind == kinds.ORIENT else 1  # ramps of several turns make no uniform one
             if row.signal is not None and varies(row.signal, degree):
-                what = "a constant speed" if isinstance(joint, Driver) and degree == 0 else "a constant or a ramp"
+                what = "a constant or a ramp" if degree else "a constant speed" if speed else "a constant"
                 raise InputError(f"linearize: the signal of '{system.name(joint)}' varies with time; give {what}")
     for force in system.forces:
         if any(signal is not None and varies(signal, 0) for signal in force.record().signals):
@@ -162,7 +162,7 @@ def candidates(model: Model, at: Variations, y: np.ndarray, rate: float) -> list
     for rows, right in extras:
         more = np.hstack([np.zeros((rows.shape[0], 3)), rows / rate])
         x = columns * np.linalg.lstsq(np.vstack([A, more]) * columns, np.r_[b, right / rate], rcond=1e-9)[0]
-        Omega = up @ np.where(np.abs(x[3:]) < 1e-12 * rate, 0.0, x[3:])  # rounding is no rotation
+        Omega = up @ np.where(np.abs(x[3:]) < 1e-12 * rate, 0.0, x[3:])  # rounding is not a rotation
         if all(np.abs(Omega - other.rotation).max() > 1e-9 * rate for other in found):
             found.append(Generator(x[:3], Omega, w - Omega))
     return found

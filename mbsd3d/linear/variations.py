@@ -26,9 +26,10 @@ from ..equations.at_state import load_rows, load_state, worst_joint
 from ..equations.compiled import Compiled, new_data
 from ..equations.jacobian import RANK_TOLERANCE, displacement_units
 from ..equations.tree import build_spanning_tree
-from ..kernels.coordinates import measure, remember
+from ..kernels.coordinates import remember
 from ..kernels.kinematics import kinematics
 from ..kernels.layout import Data, Model, Tree
+from ..kernels.measures import measure
 from ..kernels.rows import rows
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
@@ -97,7 +98,7 @@ class Field:
         )  # fmt: skip
 
     def columns(self, tree: Tree, t: float, y: np.ndarray, moves: np.ndarray) -> dict[str, np.ndarray]:
-        """Return the tables of bodies and rows, own rates and measures at complex steps along ``moves``, a row each."""
+        """Return bodies, rows, rates of internal states and measures at complex steps along ``moves``, a row each."""
         model, data, k = self.compiled.model, self.data, moves.shape[1]
         tables = {"body": data.body, "row": data.row}
         copies = {key: np.empty((k, table.nbytes), np.uint8) for key, table in tables.items()}  # bytes copy fastest
@@ -208,7 +209,7 @@ def turns(e: np.ndarray) -> np.ndarray:
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Return (..., 3) a x b; that of numpy takes several times as long for a few vectors."""
+    """Return (..., 3) a x b; `numpy.cross` takes several times as long for a few vectors."""
     ahead, behind = [1, 2, 0], [2, 0, 1]
     return a[..., ahead] * b[..., behind] - a[..., behind] * b[..., ahead]
 

@@ -119,7 +119,7 @@ def proportion(what: str, one: str, a: float, alpha: float, other: str, b: float
     left, right = a * np.sin(beta), b * np.sin(alpha)
     if min(abs(np.sin(alpha)), abs(np.sin(beta))) < PROPORTION_TOLERANCE or not a or not b:
         raise InputError(f"{what}: ({one}) = ({a:g}, {alpha:g}), ({other}) = ({b:g}, {beta:g}): give "
-                         "lengths other than 0 and twists that are no multiples of pi")  # fmt: skip
+                         "lengths other than 0 and twists that are not multiples of pi")  # fmt: skip
     if not abs(left - right) <= PROPORTION_TOLERANCE * max(abs(left), abs(right)):
         raise InputError(f"{what}: Bennett's condition a / sin(alpha) = b / sin(beta) does not hold for ({one}) "
                          f"and ({other}): {a / np.sin(alpha):.9g} m and {b / np.sin(beta):.9g} m; with these twists, "

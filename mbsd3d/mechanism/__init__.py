@@ -1,1 +1,1 @@
-"""The mechanism as data that reads like the machine: bodies, joints, drivers, forces, signals, measures."""
+"""Data of a mechanism: bodies, joints, drivers, forces, signals and measures."""

@@ -23,7 +23,8 @@ from ..base.fields import (
     kept,
     part_class,
 )
-from ..base.rotations import matrix
+from ..base.rotations import WORLD_AXES, matrix
+from ..base.wording import with_article
 from .shapes.homogeneous import ShapeOfBody
 from .shapes.shape import Shape
 from .shapes.solid_meshes import solid_of
@@ -39,6 +40,7 @@ class Ground:
     com = np.zeros(3)
     centre = np.zeros(3)
     orientation = np.array([1.0, 0.0, 0.0, 0.0])
+    axes = WORLD_AXES
 
     def __repr__(self) -> str:
         return "GROUND"
@@ -59,7 +61,7 @@ GROUND = Ground()
 
 
 class Start(TypedDict, total=False):
-    """Where a body is, and how it moves, as for `Body`."""
+    """Pose and velocities of a body, as for `Body`."""
 
     position: ArrayLike
     orientation: ArrayLike
@@ -77,7 +79,7 @@ class Body(Frozen):
     name : str
         Unique in its system; results can be asked for by name.
     mass : float
-        [kg] >= 0; 0 is legal where the constraints still determine the motion.
+        [kg] >= 0; 0 is permitted if the constraints still determine the motion.
     inertia : (3,) or (3, 3) array_like
         About the centre of mass, body axes [kg m^2]; principal moments obey the triangle rule.
     com : (3,) array_like
@@ -90,12 +92,12 @@ class Body(Frozen):
         Velocity of O [m/s] and angular velocity [rad/s] at the start, world axes; None = solved from the constraints
         with least kinetic energy.
     shape : Shape, list of Shape, str or (k, 3) array_like, optional
-        How the body is drawn: one or more of `mbsd3d.shapes`; "ellipsoid", "box" or "cylinder", the homogeneous solid
-        with its mass and inertia; a polyline in body axes from O [m]. None = the ellipsoid. Only drawn: mass and
-        inertia are as given.
+        Drawing of the body: one or more of `mbsd3d.shapes`; "ellipsoid", "box" or "cylinder", the homogeneous solid
+        with its mass and inertia; a polyline in body axes from O [m]. None = a link between its joints and centre of
+        mass, with joints at one point or none the ellipsoid. The shape is only drawn: mass and inertia are as given.
     inertia_as_given : bool
-        Take moments that break the triangle rule: no body has them, but if none is negative the motion is defined, and
-        models of other programs have them.
+        Accept moments that violate the triangle rule: no body can have them, but if none is negative the motion is
+        defined, and models of other programs contain them.
 
     Raises
     ------
@@ -141,12 +143,13 @@ class Body(Frozen):
         name : str
             As for `Body`.
         path : str or Path
-            STL, OBJ, PLY, 3MF or glTF (.glb; .gltf with its data inside), at most 200 000 triangles.
+            STL, OBJ, PLY, 3MF or glTF (.glb; .gltf with its data inside), at most 200 000 triangles. STEP where
+            cascadio is installed (``pip install mbsd3d[step]``); its curved surfaces become triangles 0.05 rad apart.
         density : float
             [kg/m^3] > 0.
         unit : str or float, optional
             Unit of the file: "m", "cm", "mm", "um", "in", "ft", or metres per unit. Needed for STL, OBJ and PLY, which
-            have none; 3MF has its own, and glTF is in metres.
+            have none; 3MF and STEP have their own, and glTF is in metres.
         shape : optional
             "mesh" draws the file, which then may have 20 000 triangles; else as for `Body`.
         position, orientation, velocity, omega
@@ -161,7 +164,7 @@ class Body(Frozen):
         ------
         ValueError
             Naming body and file, if the mesh is open, turned in several ways, or overlaps itself, if its unit is
-            missing, or if it is no mesh. A mesh that is inside out as a whole is turned back, with a warning.
+            missing, or if it is not a mesh. A mesh that is inside out as a whole is turned back, with a warning.
 
         Examples
         --------
@@ -177,7 +180,7 @@ class Body(Frozen):
         """
         check_name(name, "body")
         if wrong := set(start) - set(Start.__annotations__):
-            raise InputError(f"body '{name}': {min(wrong)} is nothing to give for a mesh; leave it out")
+            raise InputError(f"body '{name}': {min(wrong)} is no argument for a mesh; leave it out")
         try:
             file = os.fsdecode(path)
         except TypeError:
@@ -198,6 +201,8 @@ class Body(Frozen):
     @cached_property
     def axes(self) -> np.ndarray:
         """Return R at the reference pose (3, 3), body -> world; read-only."""
+        if not any(self.orientation.tolist()[1:]):
+            return WORLD_AXES
         R = matrix(self.orientation)
         R.setflags(write=False)
         return R
@@ -235,6 +240,10 @@ class Part(Checked):
         """Return joints and forces the part refers to; they must be in the system too."""
         return ()
 
+    def replaces(self) -> Sequence["Part"]:
+        """Return the parts that this one replaces; they must not be in the system."""
+        return ()
+
     def what(self) -> str:
         kind = type(self).__name__
         if self.name is None:
@@ -259,4 +268,6 @@ def as_body_or_ground(value: Any, what: str, part: Any) -> Body | Ground:
 
 def describe_part(part: Body | Part) -> str:
     """Return the type and name of a part, as error messages quote them."""
-    return f"{type(part).__name__} '{part.name}'" if part.name else f"a {type(part).__name__} without a name"
+    return (
+        f"{type(part).__name__} '{part.name}'" if part.name else f"{with_article(type(part).__name__)} without a name"
+    )

@@ -50,7 +50,7 @@ def level_across(part: Any) -> np.ndarray:
 
 
 class Heading(Stored[ArrayLike | None, None]):
-    """The way a horizontal blade points; what is kept of it is ``lateral``."""
+    """Direction in which a horizontal blade points; stored as ``lateral``."""
 
     accepts, file_type = "array_like | None", FILE_VECTOR
     convert = staticmethod(lambda value, what, part: None)
@@ -58,16 +58,32 @@ class Heading(Stored[ArrayLike | None, None]):
 
 @part_class()
 class KnifeEdge(PointJoint):
-    """The point of b does not move along ``lateral`` (fixed in b) relative to a (1 nonholonomic row).
+    """The point of b does not move along ``lateral`` relative to a: a blade or a skate (1 nonholonomic row).
 
-    Or ``heading``, the way a horizontal blade points: ``lateral`` is level then and across it (z up).
+    Parameters
+    ----------
+    a, b : Body or GROUND
+        The bodies; the reaction is that of a on b.
+    at : (3,)
+        Point of the blade [m], fixed in b, world axes at the reference pose.
+    lateral : "x", "y", "z" or (3,)
+        Direction across the blade, fixed in b, world axes at the reference pose; any length.
+    heading : (3,)
+        Instead of ``lateral``: the direction of a horizontal blade; ``lateral`` is level then and across it (z up).
+    at_b : (3,), optional
+        Actual point of b, if the bodies do not fit as built; the first run moves it into place.
+    name : str, optional
+        For results and messages; "KnifeEdge 1" and so on by default.
 
     Examples
     --------
-    >>> from mbsd3d import GROUND, Body, KnifeEdge
-    >>> part = Body("part", mass=1.2, inertia=(0.2, 0.3, 0.4), position=(0.4, -0.1, 0.7))
-    >>> sum(row.n_rows for row in KnifeEdge(GROUND, part, at=(0.1, 0.2, 0), lateral=(0, 1, 0)).rows())
-    1
+    >>> from mbsd3d import GROUND, Body, KnifeEdge, Planar, System, simulate
+    >>> sled = Body("sled", mass=4.0, inertia=(0.1, 0.1, 0.2), velocity=(2.0, 0, 0), omega=(0, 0, 0.5))
+    >>> ice = Planar(GROUND, sled, at=(0, 0, 0), normal=(0, 0, 1), name="ice")
+    >>> skate = KnifeEdge(GROUND, sled, at=(0, 0, 0), lateral=(0, 1, 0), name="skate")
+    >>> run = simulate(System([sled], [ice, skate]), 3.0)
+    >>> run.position(sled)[-1].round(6).tolist()  # a circle of radius v / omega = 4 m
+    [3.98998, 3.717051, 0.0]
     """
 
     _: KW_ONLY
@@ -126,7 +142,7 @@ class RollingContact(Joint):
         raise NotImplementedError
 
     def point(self) -> np.ndarray:
-        """Return the contact point at the reference pose (it travels over both bodies)."""
+        """Return the contact point at the reference pose (it moves over both bodies)."""
         return self.outline.lowest(self.outline.centre, self.outline.axes, self.plane[1])
 
     def reaction_points(self, solution: Motion) -> np.ndarray:

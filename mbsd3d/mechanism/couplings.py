@@ -6,7 +6,8 @@ import numpy as np
 
 from ..base.checks import check_choice, short_repr
 from ..base.errors import InputError
-from ..base.fields import Number, Numbers, Vector, kept, part_class
+from ..base.fields import Number, NumberOrNone, Numbers, Vector, kept, part_class
+from ..base.wording import counted, with_article
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground
 from .joints import AxisJoint, Joint, angle_of, coordinate_of, slide_of
@@ -46,16 +47,30 @@ class Coupling(Joint):
 
 @part_class()
 class Gear(Coupling):
-    """Two hinges turn in a fixed ratio = angle_b / angle_a (1 row); ratio < 0 for an external mesh.
+    """Two hinges turn in a fixed ratio = angle_b / angle_a (1 row).
+
+    It couples only the angles, wherever the axes are; `GearMesh` also gives the tooth force.
+
+    Parameters
+    ----------
+    hinge_a, hinge_b : Joint
+        Joints with an angle; their bearings share the housing, as a rule.
+    ratio : float
+        angle_b / angle_a [1]: -teeth_a / teeth_b for an external mesh of parallel axes; not 0.
+    name : str, optional
+        For results and messages; "Gear 1" and so on by default.
 
     Examples
     --------
-    >>> from mbsd3d import GROUND, Body, Gear, Revolute, System
-    >>> one, two = (Body(name, mass=1.0, inertia=(0.1, 0.1, 0.2)) for name in ("one", "two"))
+    >>> from mbsd3d import GROUND, Body, Gear, Revolute, System, TorqueBetween, accelerations
+    >>> one = Body("one", mass=1.0, inertia=(0.1, 0.1, 0.2))
+    >>> two = Body("two", mass=1.0, inertia=(0.1, 0.1, 0.2), position=(0.3, 0, 0))
     >>> a = Revolute(GROUND, one, at=(0, 0, 0), axis=(0, 0, 1), name="a")
     >>> b = Revolute(GROUND, two, at=(0.3, 0, 0), axis=(0, 0, 1), name="b")
-    >>> System([one, two], [a, b, Gear(a, b, ratio=-0.5)]).check().mobility
-    1
+    >>> motor = TorqueBetween(GROUND, one, (0, 0, 0.5))
+    >>> now = accelerations(System([one, two], [a, b, Gear(a, b, ratio=-0.5)], [motor]))
+    >>> print(now.alpha(one)[0, 2].round(9), now.alpha(two)[0, 2].round(9))  # 0.5 / (0.2 + 0.2 * 0.5^2)
+    2.0 -1.0
     """
 
     hinge_a: Joint
@@ -83,16 +98,28 @@ class Gear(Coupling):
 
 @part_class()
 class RackPinion(Coupling):
-    """A rack moves by ``radius`` [m] times the angle of a pinion (1 row): slide = radius angle; radius may be < 0.
+    """A rack moves by ``radius`` times the angle of a pinion (1 row): slide = radius angle.
+
+    Parameters
+    ----------
+    pinion : Joint
+        A joint with an angle.
+    rack : Joint
+        A joint with a slide.
+    radius : float
+        Slide over angle [m/rad]: the pitch radius, negative if they move in opposite directions.
+    name : str, optional
+        For results and messages; "RackPinion 1" and so on by default.
 
     Examples
     --------
-    >>> from mbsd3d import GROUND, Body, Prismatic, RackPinion, Revolute, System
-    >>> wheel, bar = (Body(name, mass=1.0, inertia=(0.1, 0.1, 0.2)) for name in ("wheel", "bar"))
-    >>> a = Revolute(GROUND, wheel, at=(0, 0, 0), axis=(0, 1, 0), name="a")
-    >>> b = Prismatic(GROUND, bar, at=(0, 0, 0.2), axis=(1, 0, 0), name="b")
-    >>> System([wheel, bar], [a, b, RackPinion(a, b, radius=0.2)]).check().mobility
-    1
+    >>> from mbsd3d import GROUND, Body, Prismatic, RackPinion, Revolute, System, accelerations
+    >>> wheel, bar = (Body(name, mass=1.0, inertia=(0.1, 0.04, 0.1)) for name in ("wheel", "bar"))
+    >>> a = Revolute(GROUND, wheel, at=(0, 0, 0), axis="y", name="a")
+    >>> b = Prismatic(GROUND, bar, at=(0.2, 0, 0), axis="z", name="b")
+    >>> now = accelerations(System([wheel, bar], [a, b, RackPinion(a, b, radius=0.2)]))
+    >>> print(now.acceleration(bar)[0, 2].round(9))  # -g m / (m + I / r^2): the wheel holds it back
+    -4.905
     """
 
     pinion: Joint
@@ -141,6 +168,9 @@ class GearMesh(Coupling):
         Body in which the axes of both gears rest; None = the common body of the hinges. A planet carrier, where the
         sun turns on the ground about the axis of the carrier: gear i is then body b of hinge i. (A ring that is fixed
         to the ground meshes by the hinge of the carrier itself: its gear is the ground.)
+    mu : float or None
+        Coefficient of friction of teeth that slip along each other, of crossed axes, as of a worm. The `System` then
+        has a `DryFriction(mesh, mu=mu)` among its forces, unless one is given.
 
     Raises
     ------
@@ -166,6 +196,7 @@ class GearMesh(Coupling):
     helix_angle: Number = kept(default=0.0)
     flank: int = 1
     carrier: Body | Ground | None = None
+    mu: NumberOrNone = kept(default=None, minimum=0.0)
 
     def partners(self) -> list[Joint]:
         return [self.hinge_a, self.hinge_b]
@@ -190,7 +221,9 @@ class GearMesh(Coupling):
         for hinge in (self.hinge_a, self.hinge_b):
             coordinate_of(hinge, "angle", what)
             if not isinstance(hinge, AxisJoint):
-                raise InputError(f"{what}: '{hinge.name}' is a {type(hinge).__name__}; give a Revolute or Cylindrical")
+                raise InputError(
+                    f"{what}: '{hinge.name}' is {with_article(type(hinge).__name__)}; give a Revolute or Cylindrical"
+                )
         if self.carrier is not None and not isinstance(self.carrier, Body | Ground):
             raise InputError(f"{what}: carrier = {short_repr(self.carrier)} is not a body; give a Body or GROUND")
         if not 0.0 <= self.pressure_angle < np.pi / 2 or abs(self.helix_angle) >= np.pi / 2:
@@ -248,7 +281,11 @@ class GearMesh(Coupling):
         return np.einsum("ti,ti->t", solution.reaction(self).force, n)
 
     def rows(self) -> list[Primitive]:
-        n, carrier = self.direction(), self.support()
+        return [self.row_along(self.direction())]
+
+    def row_along(self, n: np.ndarray) -> Primitive:
+        """Return the row n . (v_b - v_a) = 0 at the pitch point, n a unit direction, world at the reference pose."""
+        carrier = self.support()
         bodies: list[Body | Ground] = []
         points, axes, tilts, levers, angles = [], [], [], [], []
         for sign, hinge in ((-1.0, self.hinge_a), (1.0, self.hinge_b)):
@@ -261,12 +298,10 @@ class GearMesh(Coupling):
             tilts += [sign * np.cross(moment, mount.axis), ZERO]  # x . axis = 0, gradient: moment across the axis
             levers.append(sign * float(moment @ mount.axis))
             angles.append(Coordinate("angle", carrier, gear, mount.axis, spin))
-        return [
-            Primitive(
-                kinds.MESH, tuple(bodies), points=tuple(points), axes=tuple(axes), second_axes=tuple(tilts),
-                values=tuple(levers), coordinates=tuple(angles),
-            )
-        ]  # fmt: skip
+        return Primitive(
+            kinds.MESH, tuple(bodies), points=tuple(points), axes=tuple(axes), second_axes=tuple(tilts),
+            values=tuple(levers), coordinates=tuple(angles),
+        )  # fmt: skip
 
 
 @part_class()
@@ -285,7 +320,7 @@ class Coupler(Coupling):
     coefficients : sequence of float
         c0, c1, ... of any degree [rad or m by powers of rad or m].
     x_weights, y_weights : sequence of float or None
-        v_j and w_i, one a joint; None = ones.
+        v_j and w_i, one per joint; None = ones.
     x_of, y_of : "angle", "slide", a sequence of them, or None
         Coordinate of joints that have both; None = the angle where there is one, else the slide.
 
@@ -297,7 +332,7 @@ class Coupler(Coupling):
     Raises
     ------
     ValueError
-        For a joint without the coordinate, one that stands twice, weights that are 0 or not one a joint, no
+        For a joint without the coordinate, one given twice, weights that are 0 or not one per joint, no
         coefficient, or more than four bodies or coordinates.
 
     Examples
@@ -331,12 +366,12 @@ class Coupler(Coupling):
         if not self.y:
             raise InputError(f"{what}: y has no joint; give the joint that follows")
         if not self.coefficients or (not self.x and len(self.coefficients) > 1):
-            given = f"{len(self.coefficients)} coefficients for {len(self.x)} joints of x"
+            given = f"{counted(len(self.coefficients), 'coefficient')} for {counted(len(self.x), 'joint')} of x"
             raise InputError(f"{what}: {given}; give c0, c1, ..., and without x only c0")
         places = [*self.places("y", what), *self.places("x", what)]
         for place in places:
             if places.count(place) > 1:
-                raise InputError(f"{what}: the {place[1]} of '{place[0].name}' stands twice; name it once")
+                raise InputError(f"{what}: the {place[1]} of '{place[0].name}' is given twice; name it once")
         if len(places) > COORDINATES_COUNT:
             raise InputError(f"{what}: {len(places)} coordinates; give at most {COORDINATES_COUNT}")
         bodies = self.bodies()

@@ -1,13 +1,19 @@
 """Drivers: rows with a prescribed motion. Displacements count from the reference pose."""
 
+import math
+from collections.abc import Sequence
 from dataclasses import KW_ONLY
-from typing import Any
+from itertools import pairwise
+from numbers import Real
+from typing import Any, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..base.checks import short_repr
+from ..base.checks import floats, short_repr
 from ..base.errors import InputError
-from ..base.fields import DirectionOrNone, Stored, Vector, VectorOrNone, derive, kept, or_none, part_class
+from ..base.fields import DirectionOrNone, Stored, Vector, VectorOrNone, derive, kept, locked, or_none, part_class
+from ..base.rotations import as_quaternion, by_letter, conjugate, logarithm, multiply, unit
 from ..kernels import kinds
 from .bodies import GROUND, Body, Ground
 from .couplings import Coupling
@@ -15,10 +21,13 @@ from .joints import Joint, angle_of, coordinate_of, slide_of
 from .joints.conditions import ends_coincide
 from .primitives import ZERO, Primitive, in_plane, ratio
 from .signals import Constant, Signal, SignalField, ThreeSignalsOrFree, as_signal
+from .signals.curves import Table
+
+TURN = 2.0 * np.pi  # [rad]
 
 
 class Driver(Joint):
-    """A joint that prescribes a motion; `Solution.effort` gives the torque or force it needs.
+    """A joint that prescribes a motion; `Solution.effort` gives the required torque or force.
 
     Examples
     --------
@@ -32,7 +41,19 @@ class Driver(Joint):
 
 @part_class()
 class AngleDriver(Coupling, Driver):
-    """The angle of a hinge follows ``signal`` [rad] (1 row): theta = f(t), zero at the reference pose.
+    """Prescribes the angle of a hinge: theta = f(t) [rad], zero at the reference pose (1 row).
+
+    `Solution.effort` is the required torque on b about the axis of the hinge; its work enters the energy
+    balance.
+
+    Parameters
+    ----------
+    hinge : Joint
+        A joint with an angle.
+    signal : float or signal
+        Angle f(t) [rad], of b relative to a about the axis of the hinge; several turns count.
+    name : str, optional
+        For results and messages; "AngleDriver 1" and so on by default.
 
     Examples
     --------
@@ -60,15 +81,28 @@ class AngleDriver(Coupling, Driver):
 
 @part_class()
 class SlideDriver(Coupling, Driver):
-    """The slide of a joint follows ``signal`` [m] (1 row).
+    """Prescribes the displacement of a sliding joint: s = f(t) [m], zero at the reference pose (1 row).
+
+    `Solution.effort` is the required force on b along the axis of the joint.
+
+    Parameters
+    ----------
+    slider : Joint
+        A joint with a slide.
+    signal : float or signal
+        Displacement f(t) [m] of b relative to a along the axis of the joint.
+    name : str, optional
+        For results and messages; "SlideDriver 1" and so on by default.
 
     Examples
     --------
-    >>> from mbsd3d import GROUND, Body, Constant, Prismatic, SlideDriver, System
+    >>> from mbsd3d import GROUND, Body, Kinematic, Polynomial, Prismatic, SlideDriver, System, simulate
     >>> lift = Body("lift", mass=3.0, inertia=(0.1, 0.1, 0.1))
-    >>> rail = Prismatic(GROUND, lift, at=(0, 0, 0), axis=(0, 0, 1), name="rail")
-    >>> System([lift], [rail, SlideDriver(rail, Constant(0.0))]).check().mobility
-    0
+    >>> rail = Prismatic(GROUND, lift, at=(0, 0, 0), axis="z", name="rail")
+    >>> motor = SlideDriver(rail, Polynomial((0.0, 0.0, 0.6)), name="motor")  # 0.6 t^2
+    >>> run = simulate(System([lift], [rail, motor]), 1.0, method=Kinematic(), output=3)
+    >>> float(run.slide(rail)[-1].round(9)), float(run.effort(motor)[-1].round(6))  # m (g + 1.2)
+    (0.6, 33.03)
     """
 
     slider: Joint
@@ -129,7 +163,7 @@ class PositionDriver(Driver):
 
 @part_class()
 class LengthDriver(Driver):
-    """The distance of two points follows a signal [m], as of a hydraulic cylinder or a linear actuator (1 row).
+    """The distance of two points follows a signal [m], as for a hydraulic cylinder or a linear actuator (1 row).
 
     ``|p_b - p_a| = f(t)``; `Solution.effort` is the force along the line that pushes the points apart [N].
 
@@ -178,13 +212,144 @@ class LengthDriver(Driver):
         return [Primitive(kinds.DISTANCE, (self.a, self.b), points=ends, values=(0.0,), signal=self.length)]
 
 
+def one_or_three(value: Any, what: str, part: Any) -> tuple[Signal, ...]:
+    """Convert one signal, or up to three of them."""
+    try:
+        given = (value,) if isinstance(value, Signal | Real) else tuple(value)
+    except TypeError:
+        given = ()
+    if not 1 <= len(given) <= 3 or isinstance(value, str):
+        raise InputError(f"{what}: {short_repr(value)}; give one signal or three, as numbers, Ramp, Table, ...")
+    return tuple(as_signal(x, f"{what}[{k}]") for k, x in enumerate(given))
+
+
+class OneToThreeSignals(Stored[Signal | float | Sequence[Signal | float], tuple[Signal, ...]]):
+    """One to three signals."""
+
+    accepts, role = "Signal | float | Sequence[Signal | float]", "signal"
+    file_type = dict[str, Any] | float | list[dict[str, Any] | float]
+    convert = staticmethod(one_or_three)
+
+
+def as_axes(value: Any, what: str, part: Any) -> np.ndarray:
+    """Convert one direction, or up to three of them, to unit vectors (k, 3)."""
+    given = [by_letter(x, what) for x in value] if isinstance(value, list | tuple) else by_letter(value, what)
+    rows = np.atleast_2d(floats(given, what, "one direction, or one for each signal"))
+    if rows.ndim != 2 or rows.shape[1] != 3 or not 1 <= len(rows) <= 3:
+        raise InputError(f"{what}: {short_repr(value)}; give one direction, or one for each signal")
+    return locked(np.array([unit(row, f"{what}[{k}]") for k, row in enumerate(rows)]))
+
+
+class AxesOrNone(Stored[str | Sequence[str] | ArrayLike | None, np.ndarray | None]):
+    """One to three directions, or None."""
+
+    accepts = "str | Sequence[str] | array_like | None"
+    convert = staticmethod(or_none(as_axes))
+
+
+@part_class()
+class OrientationDriver(Driver):
+    """The orientation of b relative to a follows signals f(t) [rad] (3 rows).
+
+    Relative to a, b is turned from its reference pose by T(f), with T(0) = 1. Without ``axes`` the three signals are a
+    rotation vector, T = exp(f): a turn by its length about its direction, over several turns too. With ``axes`` they
+    are angles of turns about these axes one after the other, each axis carried by the turns before it:
+    T = T_1(f_1) T_2(f_2) T_3(f_3), as Euler and Cardan angles are. One axis takes one signal.
+
+    Velocities and accelerations follow from the signals in closed form. `Solution.effort` is the moment on b along its
+    own axes [N m], ``reaction(driver).moment`` the same in world axes. Measured orientations: `from_table`.
+
+    Parameters
+    ----------
+    signal : sequence of three Signal or float; or as many as there are axes
+        [rad]. Where they are not zero at the start, ``system.assemble()`` turns the bodies there.
+    axes : (3,) or (k, 3) array_like, or letters, optional
+        Directions in a, world at the reference pose, e.g. ``"z"`` or ``("z", "x", "z")``; None = the rotation vector
+        has world components there.
+
+    Raises
+    ------
+    ValueError
+        If signals and axes are not as many, or an axis has no direction.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, OrientationDriver, Ramp, Spherical, System, accelerations
+    >>> rotor = Body("rotor", mass=1.0, inertia=(0.1, 0.1, 0.2))
+    >>> pivot = Spherical(GROUND, rotor, at=(0, 0, 0))
+    >>> angles, axes = (Ramp(2.0), 0.5, Ramp(30.0)), [(0, 0, 1), (1, 0, 0), (0, 0, 1)]
+    >>> spin = OrientationDriver(GROUND, rotor, signal=angles, axes=axes)
+    >>> system = System([rotor], [pivot, spin])  # it precesses about z, tilted by 0.5 rad, and spins about itself
+    >>> accelerations(system, system.assemble()).omega_body(rotor)[0].round(9) + 0.0  # 0, not -0
+    array([ 0.        ,  0.95885108, 31.75516512])
+    """
+
+    a: Body | Ground
+    b: Body | Ground
+    _: KW_ONLY
+    signal: OneToThreeSignals = kept()
+    axes: AxesOrNone = kept(default=None)
+
+    @classmethod
+    def from_table(
+        cls, a: Body | Ground, b: Body | Ground, times: ArrayLike, orientations: ArrayLike, name: str | None = None
+    ) -> Self:
+        """Return the driver through measured orientations of b relative to a, by splines of the rotation vector.
+
+        ``orientations``: relative to the reference pose, unit quaternions (n, 4), scalar first, or rotation vectors
+        (n, 3) [rad], at n >= 4 increasing ``times`` [s]. Quaternions are unwrapped to the rotation vectors next to each
+        other; such a vector turns sharply where b comes near a whole turn about another axis, so give ``axes`` and
+        signals then.
+        """
+        remedy = "unit quaternions (n, 4) or rotation vectors (n, 3)"
+        rows = floats(orientations, f"{cls.__name__}: orientations", remedy)
+        if rows.ndim != 2 or rows.shape[1] not in (3, 4):
+            raise InputError(f"{cls.__name__}: orientations have shape {rows.shape}; give {remedy}")
+        vectors = rows if rows.shape[1] == 3 else unwrapped(logarithm(as_quaternions(rows, cls.__name__)))
+        return cls(a, b, signal=tuple(Table(times, column) for column in vectors.T), name=name)
+
+    def check(self, what: str) -> None:
+        super().check(what)
+        wanted = 3 if self.axes is None else len(self.axes)
+        if len(self.signal) != wanted:
+            of = "a rotation vector has three" if self.axes is None else f"there are {wanted} axes"
+            raise InputError(f"{what}: {len(self.signal)} signals, but {of}; give a signal for each, or other axes")
+
+    def rows(self) -> list[Primitive]:
+        kind = kinds.ROTATION_VECTOR if self.axes is None else kinds.TURNS
+        axes = np.eye(3) if self.axes is None else np.vstack([self.axes, np.eye(3)])[:3]
+        signals = (*self.signal, *(Constant(0.0),) * 3)[:3]
+        between = multiply(conjugate(self.a.orientation), self.b.orientation)
+        numbers = (float(kind), *(x for axis in axes for x in self.a.local_axis(axis)), *between)
+        return [
+            Primitive(kinds.ORIENT, (self.a, self.b), values=(float(k),), numbers=numbers, signal=x, in_metres=False)
+            for k, x in enumerate(signals)
+        ]
+
+
+def as_quaternions(rows: np.ndarray, what: str) -> np.ndarray:
+    """Return unit quaternions (n, 4); InputError for other rows."""
+    return np.array([as_quaternion(row, f"{what}: orientations[{k}]") for k, row in enumerate(rows)])
+
+
+def unwrapped(vectors: np.ndarray) -> np.ndarray:
+    """Return rotation vectors (n, 3) [rad] of the same rotations, each next to the one before it by whole turns."""
+    found = vectors.copy()
+    for before, x in pairwise(found):
+        along = x if x.any() else before  # a whole turn has no direction of its own
+        if along.any():
+            along = along / math.sqrt(along @ along)
+            x += TURN * np.round((before - x) @ along / TURN) * along
+    return found
+
+
 def as_given(value: Any, what: str, part: Any) -> Any:
     """Return the value unchanged."""
     return value
 
 
 class BodyOrJoint(Stored[Body | Ground | Joint | None, Body | Ground]):
-    """A body, or the joint that says which one."""
+    """A body, or the joint that moves it."""
 
     accepts, role, file_type = "Body | Ground | Joint | None", "body", str
     convert = staticmethod(as_given)
@@ -198,7 +363,7 @@ class BodyOrSpeed(Stored[Body | Ground | Signal | float | None, Body | Ground]):
 
 
 def as_speed(value: Any, what: str, part: Any) -> Signal:
-    """Accept a signal where no other one is given."""
+    """Accept a signal if no other one is given."""
     if isinstance(part.a, Joint) and part.b is not None:
         raise InputError(f"{part.what()}: two speeds, {short_repr(part.b)} and {short_repr(value)}; give one")
     return as_signal(value, what)
@@ -266,7 +431,7 @@ class SpeedDriver(Driver):
             given = "neither axis nor direction" if self.axis is None else "both axis and direction"
             raise InputError(f"{what}: {given}; give axis= for a speed in rad/s, or direction= for one in m/s")
         if self.direction is None and self.at is not None:
-            raise InputError(f"{what}: at = {self.at} with an axis: a turn has no point; leave at= out")
+            raise InputError(f"{what}: at = {self.at} with an axis: a rotation needs no point; leave at= out")
         if self.direction is not None and self.at is None:
             derive(self, at=self.b.centre)
 

@@ -1,4 +1,4 @@
-"""Joints that hold two bodies as they stood when the joint engaged, instead of as they stand at the reference pose."""
+"""Joints that keep two bodies in the relative pose at engagement, instead of the one at the reference pose."""
 
 from dataclasses import KW_ONLY, replace
 
@@ -11,7 +11,7 @@ from .bodies import Body, Ground
 from .couplings import Coupling
 from .joints import Joint
 from .motion_protocols import LoadedMotion, Motion
-from .primitives import Coordinate, Primitive
+from .primitives import Coordinate, Primitive, TurnRate
 from .signals import Constant
 
 
@@ -96,12 +96,11 @@ class Engaged(JointOfAnother):
     def moved_row(self, row: Primitive) -> Primitive:
         """Return a row of the joint with points and axes of b as they engaged."""
         if self.length is not None and row.kind == kinds.DISTANCE:
-            return replace(row, values=(self.length,))
+            return row._replace(values=(self.length,))
         if isinstance(self.joint, Coupling):
-            return replace(row, signal=Constant(self.offset))
+            return row._replace(signal=Constant(self.offset))
         on_b = [body is self.b for body in row.bodies]
-        return replace(
-            row,
+        return row._replace(
             points=tuple(self.moved_point(x) if own else x for own, x in zip(on_b, row.points, strict=False)),
             axes=tuple(self.moved_axis(x) if own else x for own, x in zip(on_b, row.axes, strict=False)),
             second_axes=tuple(self.moved_axis(x) if own else x for own, x in zip(on_b, row.second_axes, strict=False)),
@@ -126,8 +125,11 @@ class Engaged(JointOfAnother):
         found = self.joint.slide()
         return None if found is None else self.moved_coordinate(found)
 
-    def reflected(self) -> list[tuple[Coordinate, float]]:
-        return [(self.moved_coordinate(x), inertia) for x, inertia in self.joint.reflected()]
+    def reflected(self) -> list[tuple[Coordinate | TurnRate, float]]:
+        return [
+            (x if isinstance(x, TurnRate) else self.moved_coordinate(x), inertia)
+            for x, inertia in self.joint.reflected()
+        ]
 
     def point(self) -> np.ndarray:
         return self.moved_point(self.joint.point())

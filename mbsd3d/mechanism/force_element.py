@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
@@ -17,7 +18,7 @@ from .primitives import Coordinate
 
 @dataclass(frozen=True, eq=False)
 class ForceRecord:
-    """All that the law of a force reads: bodies, points, axes, parameters, signals, coordinate, internal states."""
+    """Input of a force law: bodies, points, axes, parameters, signals, coordinate and internal states."""
 
     bodies: tuple
     points: tuple = ()  # one per body; none: it acts at no point (torques, loads along a coordinate)
@@ -52,6 +53,11 @@ class ForceElement(Part):
         """Return the record of this element that its compiled law reads."""
         raise NotImplementedError
 
+    @cached_property
+    def own_record(self) -> ForceRecord:
+        """Return `record`, made once."""
+        return self.record()
+
     def read_by_law(self, **own: Any) -> dict[str, Any]:
         """Return the parameters of the law by name: ``own`` ones, else the attributes of that name."""
         return {name: own[name] if name in own else getattr(self, name) for name in self.law_parameters.units}
@@ -62,7 +68,12 @@ class ForceElement(Part):
 
     def bodies(self) -> tuple[Any, ...]:
         """Return the bodies the element acts on."""
-        return self.record().bodies
+        return self.own_record.bodies
+
+    @property
+    def strands(self) -> int:
+        """Return the number of sections that have a tension each, as those of a rope; 0 for all else."""
+        return 0
 
     def partners(self) -> tuple[Any, ...]:
         """Return the joints and forces the element refers to."""
@@ -71,7 +82,7 @@ class ForceElement(Part):
     def acts_at(self, body: Body | Ground) -> tuple[Body | Ground, np.ndarray]:
         """Return (body that carries it, world point at the reference pose) of the point at which the load is given.
 
-        A torque acts at no point: its is given at the centre of mass.
+        A torque acts at no point; the centre of mass is returned for it.
         """
         record = self.record()
         where = [other is body for other in record.bodies].index(True)

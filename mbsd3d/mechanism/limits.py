@@ -1,4 +1,4 @@
-"""Limits of joints that are watched: no force keeps them, and the certificate says where a run passes them."""
+"""Monitored joint limits: no force enforces them; the certificate reports where a run exceeds them."""
 
 from typing import Any
 
@@ -16,7 +16,7 @@ UNITS = {"angle": "rad", "slide": "m"}
 
 @part_class()
 class Limit(Checked):
-    """A range of an angle [rad] or slide [m] of a joint, from its reference pose, that is watched and not enforced.
+    """A range of an angle [rad] or slide [m] of a joint, from its reference pose, monitored but not enforced.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ class Limit(Checked):
     lower, upper : float or None
         None = no limit on that side.
     name : str
-        What the joint is called where the limit comes from; "" = its own name.
+        Name of the joint in the source of the limit; "" = its own name.
 
     Raises
     ------
@@ -69,13 +69,13 @@ class Limit(Checked):
             raise InputError(f"{what}: lower {self.lower:g} exceeds upper {self.upper:g}; exchange them")
 
     def excess(self, values: np.ndarray) -> np.ndarray:
-        """Return by how much values of the coordinate lie beyond the range, 0 inside [rad or m]."""
+        """Return how far the values of the coordinate exceed the range [rad or m], 0 inside."""
         below = 0.0 if self.lower is None else self.lower - values
         above = 0.0 if self.upper is None else values - self.upper
         return np.maximum(np.maximum(below, above), np.zeros_like(values))
 
     def notes(self, motion: LoadedMotion) -> list[str]:
-        """Return what the certificate says: the largest excess over all samples and its time."""
+        """Return the note for the certificate: the largest excess over all samples and its time."""
         values = motion.angle(self.joint) if self.kind == "angle" else motion.slide(self.joint)
         excess = self.excess(values)
         if not excess.size or excess.max() <= LIMIT_EXCESS_MIN:
@@ -97,7 +97,7 @@ def as_sentences(value: Any, what: str, part: Any) -> tuple[str, ...]:
     """Convert to texts of one line."""
     found = (value,) if isinstance(value, str) else as_tuple(value, what, "a list of sentences")
     if wrong := [text for text in found if not isinstance(text, str)]:
-        raise InputError(f"{what}: {short_repr(wrong[0])} is not a text; give sentences")
+        raise InputError(f"{what}: {short_repr(wrong[0])} is not a string; give sentences")
     lines = tuple(" ".join(text.split()) for text in found)
     for line in lines:
         check_name(line, what)

@@ -5,7 +5,7 @@ from typing import ClassVar
 from ..base.fields import part_class
 from .force_element import ForceElement, ForceRecord
 from .joints import Joint
-from .measures import Condition, Measure, label, of_coordinate
+from .measures import HOLDING_MEASURES, Condition, Measure, label, of_coordinate
 from .primitives import Coordinate, Primitive, ratio
 from .signals import Constant
 from .switching import OPEN, Mode, Switching, Watch
@@ -19,6 +19,7 @@ class Lock(Switching, ForceElement):
     """
 
     one_sided: ClassVar[bool] = True
+    sticks: ClassVar[bool] = False  # held by its row, as far as that is independent, wherever it is at rest
     leaves: ClassVar[str] = "lets go"  # what happens where a one-sided row no longer presses
 
     def coordinate(self) -> Coordinate:
@@ -42,10 +43,17 @@ class Lock(Switching, ForceElement):
         return 1.0
 
     def rows_in(self, mode: Mode) -> list[Primitive]:
-        if not self.holds(mode):
-            return []
+        return [self.row_at(mode.numbers[0])] if self.holds(mode) else []
+
+    def row_at(self, value: float) -> Primitive:
+        """Return the row x - value = 0."""
         x = self.coordinate()
-        return [ratio(x, 1.0, signal=Constant(mode.numbers[0]), in_metres=x.kind != "angle")]
+        return ratio(x, 1.0, signal=Constant(value), in_metres=self.in_metres)
+
+    @property
+    def in_metres(self) -> bool:
+        """Return whether x is a length, not an angle."""
+        return self.coordinate().kind != "angle"
 
     def holds(self, mode: Mode) -> bool:
         """Return whether the row is there in a mode."""
@@ -67,6 +75,10 @@ class Lock(Switching, ForceElement):
         """Return the mode that the part has where it does not hold: of a held one that with which it lets go."""
         return OPEN
 
+    def idle(self, mode: Mode) -> Mode:
+        """Return the mode at rest in which it neither holds nor acts, where the other rows decide."""
+        return self.opened(mode)
+
     def moving(self, mode: Mode, rate: float, slow: float) -> Mode:
         """Return the mode that fits a rate of the coordinate, after an impact or where it has just closed."""
         return mode
@@ -75,13 +87,32 @@ class Lock(Switching, ForceElement):
         """Return the mode after what it watched for, as far as it follows from that alone."""
         return self.opened(mode) if self.holds(mode) else mode
 
-    def excess(self, load: float, mode: Mode) -> float:
-        """Return by how much the load of a held mode is beyond what it holds; > 0: it lets go."""
+    def excess(self, load: float, mode: Mode, capacity: float) -> float:
+        """Return by how much the load of a held mode is beyond what it holds; > 0: it lets go.
+
+        ``capacity``: the load of its own law at the multipliers of the moment.
+        """
         return -self.sense(mode) * load
 
     def returns(self, a: float, held: Mode, free: Mode) -> float:
         """Return how fast a free mode at rest turns back into what would hold: an acceleration, > 0: it does."""
         return -self.sense(held) * a
+
+    def starts(self, a: float, slow: float, free: Mode, others_hold: bool) -> Mode:
+        """Return the mode of a free one at rest with an acceleration, by more than ``slow`` if it moves."""
+        return free
+
+    def helps(self, free: Mode, rate: float) -> bool:
+        """Return whether the load of a free one at rest is along a rate."""
+        return False
+
+    def resting(self, mode: Mode, slow: float) -> Mode:
+        """Return the mode in which it stays at rest, if it does, where ``slow`` counts as no rate."""
+        return mode
+
+    def outcome(self, before: Mode, after: Mode, action: str) -> str:
+        """Return the text of the event that a part reports when its condition comes true."""
+        return action
 
     def yielding(self, mode: Mode, load: float) -> Mode:
         """Return the mode after a held one that lets go at a load."""
@@ -94,9 +125,14 @@ class Lock(Switching, ForceElement):
         """
         raise NotImplementedError
 
+    def bounds(self, mode: Mode) -> list[Condition]:
+        """Return the conditions on value and rate of the coordinate that are false as long as it is in a mode."""
+        watched = [watch.condition for watch in self.watched(mode)]
+        return [one for one in watched if one.measure.kind not in HOLDING_MEASURES]
+
     def load_measure(self) -> Measure:
         """Return the load of the row along the coordinate on body b."""
-        unit = "N m" if self.coordinate().kind == "angle" else "N"
+        unit = "N" if self.in_metres else "N m"
         return Measure("holding load", f"load of {label(self)}", unit, part=self)
 
     def rate_measure(self) -> Measure:

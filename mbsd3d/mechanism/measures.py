@@ -1,4 +1,8 @@
-"""Measures: scalar functions of the state, named by part. ``measure > value`` is a condition for ``stop_when``."""
+"""Measures: scalar functions of the state, named by part. ``measure > value`` is a condition for ``stop_when``.
+
+Measures take numbers as factors and summands, in their unit: ``2.0 * measure - 0.1``, for `Solution.measure`, plots and
+conditions.
+"""
 
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -35,9 +39,13 @@ MEASURES = {
     "reaction force": kinds.REACTION_FORCE,
     "reaction moment": kinds.REACTION_MOMENT,
     "holding load": kinds.HOLDING,
+    "sum": kinds.SUM,
+    "excess load": kinds.EXCESS,
+    "tension": kinds.TENSION,
 }
 PARALLEL_SINE_MAX = 1e-6  # [1] sine of the angle below which two directions span no plane
 CONTACT_MEASURES = ("clearance", "normal force")
+HOLDING_MEASURES = ("holding load", "excess load")  # of the row by which a part holds
 JOINT_MEASURES = ("coordinate", "coordinate rate")
 OF_REACTIONS = ("reaction force", "reaction moment")  # known where the equations have been solved
 POSE_MEASURES = ("coordinate", "position", "lean", "distance", "clearance")
@@ -49,7 +57,8 @@ MEASURE_UNITS = {
     "coordinate": ("rad", "m"), "coordinate rate": ("rad/s", "m/s"), "position": ("m",), "velocity": ("m/s",),
     "omega": ("rad/s",), "lean": ("rad",), "lean rate": ("rad/s",), "distance": ("m",), "state": tuple(UNIT_EXPONENTS),
     "clearance": ("m",), "normal force": ("N",), "reaction force": ("N",), "reaction moment": ("N m",),
-    "holding load": ("N", "N m"),
+    "holding load": ("N", "N m"), "excess load": ("N", "N m"), "sum": ("rad", "m"),
+    "tension": ("N",),
 }  # fmt: skip
 
 
@@ -67,8 +76,13 @@ class Measure:
     axis: np.ndarray = field(default_factory=lambda: ZERO)
     coordinate: Coordinate | None = None
     part: ForceElement | None = None  # force element it speaks of,
-    index: int = 0  # and which of its internal states
+    index: int = 0  # and which of its internal states, or sections
     joint: Joint | None = None  # whose reaction it is, on its body b; the axis is fixed in a
+    factor: float = 1.0  # the value is factor times what the kind says, plus the offset
+    offset: float = 0.0  # [unit]
+    plain_label: str = ""  # without factor and offset; "" = the label
+
+    __array_ufunc__ = None  # 2.0 * measure also for numbers of numpy
 
     def __post_init__(self) -> None:
         """Check the measure: a file may describe one, and kernels do not check."""
@@ -77,9 +91,12 @@ class Measure:
         fits = (self.coordinate is not None) == (self.kind in JOINT_MEASURES)
         own = 0 <= self.index < states if self.kind == "state" else self.part is None
         own = isinstance(self.part, Contact) if self.kind in CONTACT_MEASURES else own
-        own = is_switching(self.part) if self.kind == "holding load" else own
+        own = 0 <= self.index < strands_of(self.part) if self.kind == "tension" else own
+        own = is_switching(self.part) if self.kind in HOLDING_MEASURES else own
+        own = self.part is not None and bool(self.part.record().measures) if self.kind == "sum" else own
         own &= (self.joint is not None) == (self.kind in OF_REACTIONS)
         own &= self.joint is None or self.b is self.joint.b
+        own &= bool(np.isfinite(self.offset)) and bool(np.isfinite(self.factor)) and self.factor != 0.0
         own &= all(np.shape(x) == (3,) for x in (self.point_a, self.point_b, self.axis))
         if self.unit not in MEASURE_UNITS[self.kind] or not fits or not own:
             raise InputError(
@@ -91,10 +108,61 @@ class Measure:
         return f"<measure: {self.label} [{self.unit}]>"
 
     def __gt__(self, value: float) -> "Condition":
-        return Condition(self, number(value, f"threshold of {self.label}"), 1.0)
+        return self._reaches(value, 1.0)
 
     def __lt__(self, value: float) -> "Condition":
-        return Condition(self, number(value, f"threshold of {self.label}"), -1.0)
+        return self._reaches(value, -1.0)
+
+    def _reaches(self, value: float, direction: float) -> "Condition":
+        value = (number(value, f"threshold of {self.label}") - self.offset) / self.factor
+        return Condition(self.plain(), value, direction if self.factor > 0.0 else -direction)
+
+    def plain(self) -> "Measure":
+        """Return the measure without factor and offset."""
+        if self.factor == 1.0 and self.offset == 0.0:
+            return self
+        return replace(self, factor=1.0, offset=0.0, label=self.plain_label, plain_label="")
+
+    def _scaled(self, factor: float, offset: float) -> "Measure":
+        """Return factor times the measure plus an offset."""
+        factor, offset, plain = self.factor * factor, self.offset * factor + offset, self.plain_label or self.label
+        label = (f"{factor:g} x " if factor != 1.0 else "") + plain + (f" {offset:+g} {self.unit}" if offset else "")
+        return replace(self, factor=factor, offset=offset, label=label, plain_label=plain)
+
+    def _operand(self, value: object, sign: str) -> float:
+        """Return the factor or summand of a measure as a number."""
+        if isinstance(value, Measure):
+            raise InputError(
+                f"'{self.label}' {sign} '{value.label}': a measure combines with numbers only; combine the arrays of "
+                "solution.measure([...])"
+            )
+        return number(value, f"'{self.label}' {sign}")
+
+    def __mul__(self, factor: float) -> "Measure":
+        factor = self._operand(factor, "*")
+        if factor == 0.0:
+            raise InputError(f"'{self.label}' * 0 is 0 whatever the motion; give another factor")
+        return self._scaled(factor, 0.0)
+
+    def __truediv__(self, divisor: float) -> "Measure":
+        divisor = self._operand(divisor, "/")
+        if divisor == 0.0:
+            raise InputError(f"'{self.label}' / 0; give another divisor")
+        return self._scaled(1.0 / divisor, 0.0)
+
+    def __add__(self, offset: float) -> "Measure":
+        return self._scaled(1.0, self._operand(offset, "+"))
+
+    def __sub__(self, offset: float) -> "Measure":
+        return self._scaled(1.0, -self._operand(offset, "-"))
+
+    def __rsub__(self, offset: float) -> "Measure":
+        return self._scaled(-1.0, self._operand(offset, "-"))
+
+    def __neg__(self) -> "Measure":
+        return self._scaled(-1.0, 0.0)
+
+    __rmul__, __radd__ = __mul__, __add__
 
     __ge__, __le__ = __gt__, __lt__  # a run ends where the value is reached
 
@@ -113,12 +181,20 @@ class Condition:
             "part of it; give stop_when a single comparison"
         )
 
+    def __and__(self, other: object) -> "Condition":
+        raise InputError(
+            f"condition '{self}' is joined by & or |; stop_when takes a single comparison: run to the first one, and "
+            "go on from the state there, solution.final, with the other"
+        )
+
+    __or__ = __rand__ = __ror__ = __and__
+
     def __str__(self) -> str:
         return f"{self.measure.label} {'>' if self.direction > 0 else '<'} {self.value:g} {self.measure.unit}"
 
 
 def check_members(system: Mechanism, measure: Measure, what: str) -> None:
-    """Check that a measure speaks of bodies, joints and forces of this system."""
+    """Check that a measure refers to bodies, joints and forces of this system."""
     members = {id(part) for part in (*system.bodies, *system.joints, *system.forces, GROUND)}
     members |= {id(joint.held()) for joint in system.joints}
     for part in (measure.a, measure.b, measure.part or GROUND, measure.joint or GROUND):
@@ -130,7 +206,7 @@ def check_members(system: Mechanism, measure: Measure, what: str) -> None:
 
 
 def unit_powers(measure: Measure) -> tuple[float, float, float]:
-    """Return (1, k, j) such that errors of a measure are judged against length^k speed^j."""
+    """Return (1, k, j): errors of a measure are scaled by length^k speed^j."""
     return (1.0, *UNIT_EXPONENTS[measure.unit])
 
 
@@ -141,7 +217,8 @@ def label(part: Body | Ground | Part) -> str:
 
 def of_coordinate(x: Coordinate, what: str, rate: bool = False) -> Measure:
     """Return the measure that reads a hinge coordinate, or its rate."""
-    unit_of = ("rad/s" if rate else "rad") if x.kind == "angle" else ("m/s" if rate else "m")
+    turns = x.kind in ("angle", "bearing")
+    unit_of = ("rad/s" if rate else "rad") if turns else ("m/s" if rate else "m")
     return Measure("coordinate rate" if rate else "coordinate", what, unit_of, x.a, x.b, coordinate=x)
 
 
@@ -254,6 +331,45 @@ def state(force: ForceElement, index: int | str = 0) -> Measure:
     return Measure("state", f"state {names[index]} of {label(force)}", what, part=force, index=index)
 
 
+def strands_of(part: Any) -> int:
+    """Return the number of sections of a rope or belt that have a tension each; 0 for all else."""
+    return part.strands if isinstance(part, ForceElement) else 0
+
+
+@checks_arguments
+def tension(rope: ForceElement, section: int = 0) -> Measure:
+    """Return the tension of a section of a `Rope`, or of a strand of a `Belt` [N], >= 0.
+
+    Parameters
+    ----------
+    rope : Rope or Belt
+    section : int
+        Number from 0, in the order of ``solution.force(rope).tension``: rough pulleys part a rope into sections, a belt
+        has two strands.
+
+    Raises
+    ------
+    ValueError
+        If it is no rope or belt, or has no such section.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, Rope, System, measures, simulate
+    >>> bell = Body("bell", mass=2.0, inertia=(0.1, 0.1, 0.1), position=(0, 0, -1.5))
+    >>> rope = Rope(((GROUND, (0, 0, 0)), (bell, (0, 0, -1.5))), stiffness=3e3, length=2.0)
+    >>> fall = simulate(System([bell], forces=[rope]), 1.0, stop_when=measures.tension(rope) > 150.0)
+    >>> round(float(-fall.position(bell)[-1, 2]), 9)  # stretched by 0.05 m
+    2.05
+    """
+    count = strands_of(rope)
+    if count == 0:
+        raise InputError(f"measures.tension: {short_repr(rope)} has no tension; give a Rope or a Belt")
+    if type(section) is not int or not 0 <= section < count:
+        raise InputError(f"measures.tension: {label(rope)} has no section {short_repr(section)}; give 0 to {count - 1}")
+    which = f" {section}" if count > 1 else ""
+    return Measure("tension", f"tension{which} of {label(rope)}", "N", part=rope, index=section)
+
+
 def of_contact(contact: ForceElement, kind: str, unit_of: str, what: str = "") -> Measure:
     """Return a measure of a `Contact`, or raise a ValueError of the function ``what``."""
     if not isinstance(contact, Contact):
@@ -264,7 +380,7 @@ def of_contact(contact: ForceElement, kind: str, unit_of: str, what: str = "") -
 
 @checks_arguments
 def clearance(contact: ForceElement) -> Measure:
-    """Return the height of the surface of a `Contact` over its plane [m]; < 0 where it presses."""
+    """Return the clearance [m] between the surface of a `Contact` and its plane or other surface; < 0 in contact."""
     return of_contact(contact, "clearance", "m")
 
 
@@ -276,13 +392,13 @@ def normal_force(contact: ForceElement) -> Measure:
 
 @checks_arguments
 def touches(contact: ForceElement) -> Condition:
-    """Return whether the surface of a `Contact` comes down to its plane; for ``stop_when``."""
+    """Return the condition that the surface of a `Contact` reaches its plane or other surface; for ``stop_when``."""
     return of_contact(contact, "clearance", "m", "touches") < 0.0
 
 
 @checks_arguments
 def leaves(contact: ForceElement) -> Condition:
-    """Return whether a `Contact` no longer presses; for ``stop_when``. A damper lets go before the plane is back."""
+    """Return the condition that a `Contact` lifts off, for ``stop_when``; with damping this is before d = 0."""
     return of_contact(contact, "normal force", "N", "leaves") < 0.0
 
 
@@ -296,10 +412,10 @@ def reaction(joint: Joint, *, axis: ArrayLike | None = None, of: str = "force", 
         Direction of the component, world at the reference pose; None = the size of the whole vector.
     of : "force" or "moment"
     axes : "world", "a" or "b"
-        Where the direction is fixed: it turns with body a or b of the joint.
+        Axes in which the direction is fixed: the world, or body a or b of the joint.
 
-    It stops a run, is a curve, and a column of `solution.measure`. Each look within a step solves the equations of
-    motion once. A reaction that the constraints do not determine is refused.
+    Use it in ``stop_when``, in curves and in `solution.measure`. Each evaluation within a step solves the equations of
+    motion once. A reaction that the constraints do not determine is rejected.
 
     Examples
     --------
@@ -362,7 +478,7 @@ def _heading(body: Body, forward: ArrayLike, what: str) -> Coordinate:
 
 @checks_arguments
 def camber(wheel: Body, *, axle: ArrayLike = (0.0, 1.0, 0.0)) -> Measure:
-    """Return the elevation of a wheel's axle above the horizontal [rad], > 0 where the wheel leans right (y left).
+    """Return the elevation of a wheel's axle above the horizontal [rad], > 0 if the wheel leans right (y left).
 
     ``axle`` is given in world axes at the reference pose; the spin of the wheel does not matter.
     """
@@ -397,7 +513,7 @@ def angle_between(
     if about is None:
         about = cross(first, second)
         if np.linalg.norm(about) < PARALLEL_SINE_MAX:
-            raise InputError(f"{what}: the axes are parallel at the reference pose; say about which axis with about=")
+            raise InputError(f"{what}: the axes are parallel at the reference pose; give the axis as about=")
     x = protractor(a, b, unit(about, f"{what}: about"), first, second, what)
     return of_coordinate(x, f"angle {label(a)} to {label(b)}")
 

@@ -1,4 +1,4 @@
-"""The mechanism as data: bodies, joints, forces and gravity, checked for what can be checked without numbers."""
+"""The mechanism as data: bodies, joints, forces and gravity, with the checks that need no computation."""
 
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, field
@@ -17,6 +17,8 @@ from .limits import Limit, as_limits, as_sentences
 
 PART_CLASSES = MappingProxyType({"bodies": Body, "joints": Joint, "forces": ForceElement})
 
+KINDS = tuple(PART_CLASSES)
+
 
 def as_parts(value: Any, what: str, part: Any) -> tuple[Any, ...]:
     """Convert a sequence of parts of the kind that belongs there, each once."""
@@ -34,7 +36,7 @@ def as_parts(value: Any, what: str, part: Any) -> tuple[Any, ...]:
 
 
 def misplaced(part: Any, key: str) -> str:
-    """Return what to say of something that stands among parts of another kind."""
+    """Return the error message for a part given in the list of another kind."""
     for other, kind in PART_CLASSES.items():
         if isinstance(part, kind):
             return f"System: {short(part)} is in {key}; it belongs in {other}=[...]"
@@ -51,14 +53,14 @@ def short(part: Any) -> str:
 
 
 def made_of(cls: type["Mechanism"], parts: tuple[Any, ...], gravity: np.ndarray, rest: dict[str, Any]) -> "Mechanism":
-    """Describe what a copy or a pickle of a mechanism is."""
+    """Describe a mechanism for copies and pickles."""
     bodies, joints, forces = parts
     return cls(bodies, joints, forces, gravity, **rest)
 
 
 @part_class()
 class Mechanism(Frozen):
-    """Bodies, joints and forces with their names; the public `System` adds what can be asked of it.
+    """Bodies, joints and forces with their names; the public `System` adds the analyses.
 
     ``title`` is the name of the whole; ``limits`` are watched and ``notes`` repeated by the certificate of every run.
     ``derived`` holds what layers above have computed once, such as its tables;
@@ -128,6 +130,12 @@ class Mechanism(Frozen):
                         f"{type(part).__name__} '{self.name(part)}': body '{body.name}' is not in the system; "
                         "add it to bodies"
                     )
+            for other in part.replaces():
+                if any(other is one for one in parts):
+                    raise InputError(
+                        f"{part.what()}: stands in place of '{self.name(other)}', which is in the system too; leave "
+                        "that out of it"
+                    )
             for other in part.partners():
                 if id(other) not in known:
                     kind = "joint" if isinstance(other, Joint) else "force"
@@ -146,9 +154,9 @@ class Mechanism(Frozen):
 
     def part(self, key: Any, kind: str = "bodies") -> Any:
         """Return a part given by itself or by its name; ValueError that lists the names for an unknown one."""
-        check_choice(kind, tuple(PART_CLASSES), "part: kind")
+        check_choice(kind, KINDS, "part: kind")
         parts = getattr(self, kind)
-        if isinstance(key, Body | Joint | ForceElement) and key in parts:
+        if type(key) is not str and isinstance(key, Body | Joint | ForceElement) and key in parts:
             return key
         for part in parts if kind == "joints" and isinstance(key, Joint) else ():
             if part.held() is key:

@@ -1,4 +1,4 @@
-"""The motions that joints can read: runs and modes."""
+"""Protocols of the motions that joints evaluate: runs and modes."""
 
 from typing import Any, Protocol
 
@@ -9,7 +9,7 @@ from .bodies import Body, Ground
 
 
 class Motion(Protocol):
-    """Where points and axes of bodies are over time, world axes."""
+    """Positions of points and directions of axes of bodies over time, world axes."""
 
     def body_point(self, body: Body | Ground, point: ArrayLike) -> np.ndarray:
         """Return (samples, 3) position of a point fixed in a body, given at the reference pose [m]."""

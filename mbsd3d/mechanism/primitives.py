@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,7 +21,10 @@ HOLONOMIC_ROWS = tuple(
     (True, False, False) if kind == kinds.ROLL else (kind not in (kinds.TURN_RATE, kinds.NO_SIDESLIP),) * rows
     for kind, rows in enumerate(kinds.ROWS_OF)
 )
-COORDINATES = {"angle": kinds.ANGLE, "slide": kinds.SLIDE, "path": kinds.PATH, "touch": kinds.FACE_CONTACT}
+COORDINATES = {
+    "angle": kinds.ANGLE, "slide": kinds.SLIDE, "path": kinds.PATH, "touch": kinds.FACE_CONTACT,
+    "bearing": kinds.BEARING,
+}  # fmt: skip
 CURVE_COORDINATES = ("path", "touch")
 AXIS_FIELDS = ("axis", "axis_b", "zero_a", "zero_b")
 UNIT_LENGTH_TOLERANCE = 1e-6  # [1] more than rounding, less than any intended length
@@ -37,12 +40,13 @@ def check_kind(kind: str, known: Mapping[str, int], what: str) -> None:
 @dataclass(frozen=True, eq=False)
 class Coordinate:
     """A hinge coordinate between bodies a and b: an angle about ``axis`` (zero at the reference pose), a slide, or a
-    way along a curve.
+    arc length of a curve.
 
     Angle: between x_a and x_b, both at the reference pose along the first perpendicular of the axis, or along
     ``zero_a`` (across the axis) and ``zero_b``. Slide: ``axis . (point_b - point_a)``. Path: length of a curve up to
-    where it is nearest to ``point_b``; touch: to where it is highest along ``axis_b``. World coordinates at the
-    reference pose; ``numbers`` of the curve as the kernels have them (see `kernels.surfaces`).
+    where it is nearest to ``point_b``; touch: to where it is highest along ``axis_b``. Bearing: angle about ``axis`` of
+    a from ``zero_a`` to where ``point_b`` is seen from ``point_a``. World coordinates at the reference pose;
+    ``numbers`` of the curve as the kernels have them (see `kernels.surfaces`).
     """
 
     kind: str  # a key of COORDINATES
@@ -80,14 +84,22 @@ class Coordinate:
         return b"".join([np.asarray(x, float).tobytes() for x in given])
 
 
+@dataclass(frozen=True, eq=False)
+class TurnRate:
+    """The rate axis . (w_b - w_a) about an axis fixed in b, world at the reference pose, of which there is no angle."""
+
+    a: Body | Ground
+    b: Body | Ground
+    axis: np.ndarray
+
+
 def is_curve(x: np.ndarray) -> bool:
     """Return whether numbers are as many as `kernels.surfaces` reads of a curve."""
     n, k = x[[0, 2]].tolist() if x.ndim == 1 and x.size > GROUP_NUMBERS_COUNT else (0.0, 0.0)
     return n >= 1.0 and k >= 1.0 and n % 1.0 == k % 1.0 == 0.0 and x.size == 4 + n + GROUP_NUMBERS_COUNT * n * k
 
 
-@dataclass(frozen=True, eq=False)
-class Primitive:
+class Primitive(NamedTuple):
     """Rows between up to four bodies: kind, bodies of the slots, points, axes, numbers; see kernels/rows.py."""
 
     kind: int

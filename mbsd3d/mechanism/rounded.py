@@ -11,7 +11,7 @@ from ..base.rotations import matrix, perpendiculars
 from .bodies import Body, Ground
 from .motion_protocols import Motion
 from .shapes.shape import along
-from .shapes.solids import Ellipsoid, Sphere, Torus
+from .shapes.solids import Capsule, Ellipsoid, Sphere, Torus
 
 Smooth = Sphere | Ellipsoid | Torus
 """Surfaces that roll and touch: a sphere, an ellipsoid, the outside of a torus."""
@@ -49,6 +49,39 @@ class Rounded:
     def lies_flat(self, normal: np.ndarray) -> bool:
         """Return whether a torus has its axis along the normal: it touches in a circle."""
         return bool(np.linalg.norm(self.radii * (self.axes.T @ normal)) < 1e-9 * self.size)
+
+
+@dataclass(frozen=True, eq=False)
+class RoundBar:
+    """Points no farther than ``radius`` [m] from a straight line of ``half`` [m] to both sides of ``centre``.
+
+    A capsule, or a sphere with half = 0; world coordinates at the reference pose.
+    """
+
+    centre: np.ndarray
+    axis: np.ndarray
+    half: float
+    radius: float
+
+    def shortest(self, points: np.ndarray, centre: np.ndarray, axis: np.ndarray) -> np.ndarray:
+        """Return the vectors (..., 3) from the line, where it is at (centre, axis), to points, world."""
+        off = points - centre
+        along = np.clip(np.sum(off * axis, axis=-1, keepdims=True), -self.half, self.half)
+        return off - along * axis
+
+    def moving(self, motion: Motion, a: Body | Ground, points: np.ndarray) -> np.ndarray:
+        """Return the vectors (samples, 3) from the line, carried by a, to points (samples, 3)."""
+        return self.shortest(points, motion.body_point(a, self.centre), motion.body_axis(a, self.axis))
+
+
+def round_bar(shape: Sphere | Capsule, body: Body | Ground) -> RoundBar:
+    """Return a sphere or capsule of a body."""
+    R = matrix(body.orientation)
+    centre = body.position + R @ (body.com if shape.at is None else shape.at)
+    half, axis = 0.0, np.array([0.0, 0.0, 1.0])
+    if isinstance(shape, Capsule):
+        half, axis = 0.5 * shape.length, R @ matrix(shape.orientation) @ along(shape.axis)
+    return RoundBar(centre, axis / np.linalg.norm(axis), half, shape.radius)
 
 
 def rounded(surface: Any, body: Body, what: str) -> Rounded:

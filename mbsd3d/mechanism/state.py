@@ -1,5 +1,6 @@
-"""The state of a mechanism, at the start and the end of a run."""
+"""State of a mechanism at one time, as at the start and the end of a run."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import field
 from typing import Any
@@ -9,14 +10,15 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import numbers
 from ..base.errors import InputError
-from ..base.fields import Checked, Number, Stored, kept, part_class
+from ..base.fields import Checked, Number, Stored, derive, kept, part_class
 from ..base.style import html_table
 
 
 def as_entries(value: Any, what: str, part: Any) -> np.ndarray:
     """Convert to a new array of finite numbers."""
-    array = numbers(value, what).copy()
-    if not np.isfinite(array).all():
+    plain = type(value) is np.ndarray and value.dtype == np.float64
+    array = value.copy() if plain else numbers(value, what).copy()
+    if not (math.isfinite(array.sum()) or np.isfinite(array).all()):  # a sum of numbers may overflow
         raise InputError(f"{what} has an entry that is not finite; give finite numbers")
     return array
 
@@ -42,16 +44,16 @@ class State(Checked):
     v : (6 n,) array
         Per body (r_dot, w): [m/s], [rad/s], both world.
     z : (k,) array
-        States owned by force elements, in their order; empty = their declared initial values.
+        Internal states of the force elements, in their order; empty = their declared initial values.
     coordinates : array or None
         Hinge angles [rad] and slides [m], unwrapped, in the order of the compiled model; None = nearest to zero. They
         are those of the system: of angles that only a condition or a stepper measures a state keeps no count.
     moved : mapping
-        What assembling moved: body name -> (distance [m], angle [rad]) from the reference pose.
+        Displacements by the assembly: body name -> (distance [m], angle [rad]) from the reference pose.
     modes : mapping
         Of parts that switch at events: name -> (mode, numbers); empty = as they are at the reference pose.
     notes : tuple of str
-        Sentences on what assembling chose where what was asked for does not determine the pose or the way to it.
+        Choices of the assembly where the given values do not determine the pose or the path to it.
 
     Raises
     ------
@@ -80,6 +82,15 @@ class State(Checked):
     moved: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     modes: Mapping[str, tuple[str, tuple[float, ...]]] = field(default_factory=dict)
+
+    @classmethod
+    def of_numbers(
+        cls, t: float, q: np.ndarray, v: np.ndarray, z: np.ndarray, coordinates: np.ndarray | None = None, **rest: Any
+    ) -> "State":
+        """Return a state of finite numbers that fit, in arrays that are its own from now on: nothing is checked."""
+        state = object.__new__(cls)
+        derive(state, t=t, q=q, v=v, z=z, coordinates=coordinates, **{"moved": {}, "notes": (), "modes": {}, **rest})
+        return state
 
     def check(self, what: str) -> None:
         if self.q.size % 7 or self.v.size % 6 or self.q.size // 7 != self.v.size // 6:

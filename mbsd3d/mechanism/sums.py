@@ -6,6 +6,7 @@ from typing import Any
 from ..base.checks import as_tuple, check_choice, short_repr
 from ..base.errors import InputError
 from ..base.fields import Stored, as_numbers, or_none
+from ..base.wording import counted
 from .joints import Joint, coordinate_of
 from .primitives import Coordinate
 
@@ -16,7 +17,7 @@ def as_joints(value: Any, what: str, part: Any) -> tuple[Joint, ...]:
 
 
 class Joints(Stored[Joint | Sequence[Joint], tuple[Joint, ...]]):
-    """Joints; one may stand alone."""
+    """Joints; a single one needs no sequence."""
 
     accepts, role, file_type = "Joint | Sequence[Joint]", "joint", str | dict[str, Any] | list[str | dict[str, Any]]
     convert = staticmethod(as_joints)
@@ -31,7 +32,7 @@ def as_kinds(value: Any, what: str, part: Any) -> tuple[str | None, ...]:
 
 
 class KindsOrNone(Stored[str | Sequence[str | None] | None, tuple[str | None, ...] | None]):
-    """Which coordinate of each joint, or None."""
+    """Coordinate of each joint, or None."""
 
     accepts, file_type = "str | Sequence[str] | None", str | list[str | None] | None
     convert = staticmethod(or_none(as_kinds))
@@ -53,11 +54,12 @@ def places_of(
 ) -> list[tuple[Joint, str]]:
     """Return (joint, "angle" or "slide") of each coordinate, or raise an InputError that names the side of a part."""
     if weights is not None and (len(weights) != len(joints) or 0.0 in weights):
-        given = f"{what}: weights of {side} = {short_repr(weights)} for {len(joints)} joints"
-        raise InputError(f"{given}; give one a joint, none 0")
+        given = f"{what}: weights of {side} = {short_repr(weights)} for {counted(len(joints), 'joint')}"
+        raise InputError(f"{given}; give one per joint, none of them 0")
     if kinds is not None and len(kinds) not in (1, len(joints)):
         raise InputError(
-            f"{what}: {len(kinds)} coordinates for {len(joints)} joints of {side}; give one, or one a joint"
+            f"{what}: {counted(len(kinds), 'coordinate')} for {counted(len(joints), 'joint')} of {side}; "
+            "give one, or one per joint"
         )
     found = []
     for k, joint in enumerate(joints):

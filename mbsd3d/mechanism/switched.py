@@ -1,8 +1,8 @@
-"""Joints that engage and let go during a run: by conditions, or at a load."""
+"""Joints that engage and release during a run: by conditions, or at a load."""
 
 from collections.abc import Sequence
 from dataclasses import KW_ONLY
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -31,7 +31,9 @@ def as_condition(value: Any, what: str, part: Any) -> Condition | None:
 
 @part_class()
 class SwitchedJoint(Switching, JointOfAnother):
-    """Base class of joints that are not there all the time."""
+    """Base class of joints that are active only part of the time."""
+
+    without_events: ClassVar[str] = "use system.engage and release"
 
     def check(self, what: str) -> None:
         if not isinstance(self.joint, Joint) or isinstance(self.joint, Driver | Screw | SwitchedJoint | Engaged):
@@ -88,7 +90,7 @@ def engaged_mode(joint: Engaged) -> Mode:
 
 @part_class()
 class Switched(SwitchedJoint):
-    """A joint that engages and lets go in a run, each time that a condition comes true.
+    """A joint that engages and releases in a run, each time a condition becomes true.
 
     Where it engages it takes the pose of the moment, as `System.engage` does: points and axes rest in body a, body b is
     held as it stands, a `Distance` takes the length and a coupling the offset. The impact is plastic: momentum is kept,

@@ -1,7 +1,7 @@
 """What parts have in common whose rows are switched at events of a run: their mode, and what they watch for."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from .primitives import Primitive
 
@@ -28,6 +28,7 @@ class Switching:
     """A part, joint or force, whose rows depend on its mode."""
 
     switches: Any = True  # False: a part of the class that never does
+    without_events: ClassVar[str] = "leave the part out"  # what to do where no events are looked for
 
     def first_mode(self) -> Mode:
         """Return the mode at the reference pose."""

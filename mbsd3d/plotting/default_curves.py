@@ -2,12 +2,14 @@
 
 import numpy as np
 
+from ..equations.compiled import holders_of
 from ..mechanism.drivers import Driver
-from ..results.checks.check import scales_of
+from ..mechanism.switching import is_switching
 from ..results.result import RunResult
 from .panels import Panel, PlotQuantity, Wanted, panels_of
 
 CURVE_LINES_MAX = 6  # [1] of one curve, unless asked for
+PAIRED_UNITS = ("[N]", "[N m]", "[kg m/s]", "[kg m²/s]")  # of which one is left out where it vanishes
 MOTION_THRESHOLD = 1e-9  # [rad or m, or of its scale] smaller changes are no motion
 
 
@@ -15,7 +17,7 @@ def default_curves(run: RunResult) -> list[PlotQuantity]:
     """Return the quantities to plot by default.
 
     Angles or slides of joints that move (else the angular velocity of the first body), the energies, the efforts of
-    drivers, and the reactions of joints.
+    drivers, the reactions of joints, and which parts that switch at events are engaged.
     """
     system = run.system
     first: PlotQuantity = ("omega_body", system.bodies[0])
@@ -29,24 +31,20 @@ def default_curves(run: RunResult) -> list[PlotQuantity]:
         chosen.append("effort")
     if held:
         chosen.append(("reaction", *held[:CURVE_LINES_MAX]))
+    if switching := [part for part in holders_of(system) if is_switching(part)]:
+        chosen.append(("engaged", *switching[:CURVE_LINES_MAX]))
     return chosen
 
 
 def seen_panels(run: RunResult, wanted: Wanted) -> list[Panel]:
     """Return panels of several quantities; of force and moment, momentum and its moment the vanishing one is left
     out."""
-    scale = scales_of(run)
-    least = {
-        "[N]": scale.force,
-        "[N m]": scale.moment,
-        "[kg m/s]": scale.momentum,
-        "[kg m²/s]": scale.angular_momentum,
-    }
     panels: list[Panel] = []
     for entry in wanted:
         found = panels_of(run, [entry])
+        least = [MOTION_THRESHOLD * x.size if x.unit in PAIRED_UNITS else 0.0 for x in found]
         seen = [
-            x for x in found if max(np.abs(y).max() for _, y in x.lines) > MOTION_THRESHOLD * least.get(x.unit, 0.0)
+            x for x, rounding in zip(found, least, strict=True) if max(np.abs(y).max() for _, y in x.lines) > rounding
         ]
         panels += seen or found[:1]
     return panels

@@ -2,20 +2,24 @@
 
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
 
 from ..base.checks import short_repr
 from ..base.errors import InputError
 from ..base.figure import Figure
-from ..base.style import LIGHT, figure_style, style_axes, with_superscripts
+from ..base.style import LIGHT, figure_style, style_axes
+from ..base.wording import with_superscripts
+from ..equations.compiled import holders_of
 from ..linear.modes import ModalAnalysis
 from ..mechanism.bodies import Body
 from ..mechanism.force_element import ForceElement
 from ..mechanism.forces.custom import SavedForce
 from ..mechanism.joints import Joint
 from ..mechanism.measures import Measure
+from ..mechanism.switching import is_switching
+from ..results.checks.check import scales_of
 from ..results.columns import BODY_QUANTITIES, QUANTITIES, Column, columns_of_effort, columns_of_states, loads_of
 from ..results.element_loads import Load, load_of
 from ..results.reactions import Reaction
@@ -29,25 +33,40 @@ QUANTITY_LABELS = {
     "omega": "angular velocity", "omega_body": "angular velocity, body axes", "alpha": "angular acceleration",
     "com": "centre of mass", "orientation": "quaternion",
 }  # fmt: skip
+CHANGE_SHARE_MIN, CHANGE_SHARE_MAX = 1e-9, 0.03  # [1] of the largest energy: below is rounding, above one sees it
 AXIS_NAMES, QUATERNION_NAMES = ("x", "y", "z"), ("e0", "e1", "e2", "e3")
 
 
 class Panel(NamedTuple):
-    """Pair of axes: label, unit in brackets, named lines (samples,), a note above the legend."""
+    """Pair of axes: label, unit in brackets, named lines (samples,), a note above the legend, values that it shows."""
 
     label: str
     unit: str
     lines: list[Line]
     note: str = ""
     log: bool = False
+    shows: tuple[float, ...] = ()  # whatever the lines are
+    size: float = 0.0  # what such a quantity amounts to in this run; 1e-9 of it is rounding
 
     def in_degrees(self) -> "Panel":
         """Return the panel in degrees, if it is in radians."""
         for unit in ("rad", "rad/s", "rad/s²"):
             if self.unit == f"[{unit}]":
                 lines = [(name, np.degrees(values)) for name, values in self.lines]
-                return self._replace(unit=f"[{unit.replace('rad', '°')}]", lines=lines)
+                size = float(np.degrees(self.size))
+                return self._replace(unit=f"[{unit.replace('rad', '°')}]", lines=lines, size=size)
         return self
+
+
+def natural_sizes(solution: RunResult) -> dict[str, float]:
+    """Return what quantities amount to in a run, by their units as printed on an axis."""
+    scale, length = scales_of(solution), float(solution.compiled.model.length)
+    return {
+        "[m]": length, "[m/s]": scale.rate * length, "[m/s²]": scale.acceleration, "[rad]": 1.0,
+        "[rad/s]": scale.rate, "[rad/s²]": scale.acceleration / length, "[N]": scale.force, "[N m]": scale.moment,
+        "[kg m/s]": scale.momentum, "[kg m²/s]": scale.angular_momentum, "[J]": scale.energy,
+        "[W]": scale.energy * scale.rate,
+    }  # fmt: skip
 
 
 def unit_of(quantity: str) -> str:
@@ -209,8 +228,39 @@ def length_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -
 
 
 def energy_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
-    """Return panels of kinetic, potential and total energy, and work."""
-    return [Panel("energy", "[J]", list(solution.energy().shown().items()))]
+    """Return the panel of kinetic, potential and total energy, and work.
+
+    Changes since the start where one would not see them beside what stays, as beside the energy of a fast rotor.
+    """
+    lines = solution.energy().shown()
+    largest = max(float(np.abs(values).max()) for values in lines.values())
+    change = max(float(np.ptp(values)) for values in lines.values())
+    if CHANGE_SHARE_MIN * largest < change < CHANGE_SHARE_MAX * largest:
+        return [Panel("change of energy", "[J]", [(name, values - values[0]) for name, values in lines.items()])]
+    return [Panel("energy", "[J]", list(lines.items()))]
+
+
+def engaged_parts(solution: RunResult) -> dict[str, tuple[Joint | ForceElement, np.ndarray]]:
+    """Return of the parts that switch at events, by name, (the part, 1 while its rows hold, else 0 (samples,))."""
+    pieces = solution.pieces or (solution,)
+    counts = [piece.t.size for piece in pieces]
+    counts[0] += solution.t.size - sum(counts)  # the start, where it is put before the samples
+    found: dict[str, tuple[Joint | ForceElement, np.ndarray]] = {}
+    for part in (part for part in holders_of(solution.system) if is_switching(part)):
+        rows = [piece.compiled.rows[id(part)] for piece in pieces]
+        found[solution.system.name(part)] = part, np.repeat([float(x.stop > x.start) for x in rows], counts)
+    return found
+
+
+def engaged_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
+    """Return the panel of what parts that switch at events do: 1 while their rows hold, else 0; none given = all."""
+    known = engaged_parts(solution)
+    asked = [part if isinstance(part, str) else solution.system.name(part) for part in parts] or list(known)
+    if not asked or not known.keys() >= set(asked):
+        have = ", ".join(f"'{name}'" for name in known) or "none"
+        raise InputError(f"engaged: give parts that switch at events; in this system there are {have}")
+    panel = scalar_panel("engaged", "[-]", [(name, known[name][1]) for name in asked])
+    return [panel._replace(shows=(0.0, 1.0))]
 
 
 def momentum_panels(solution: RunResult, quantity: str, parts: tuple[Part, ...]) -> list[Panel]:
@@ -239,6 +289,7 @@ PANELS: dict[str, Callable[[RunResult, str, tuple[Part, ...]], list[Panel]]] = {
     "power": power_panels,
     "length": length_panels,
     "state": state_panels,
+    "engaged": engaged_panels,
     "momentum": momentum_panels,
     "drift": drift_panels,
 }
@@ -258,14 +309,33 @@ def panels_of(solution: RunResult, quantity: str | Measure | Wanted, parts: tupl
     `plot_quantity`.
     """
     if isinstance(quantity, Measure):
-        return measure_panels(solution, measures_only((quantity, *parts)))
+        return sized(solution, measure_panels(solution, measures_only((quantity, *parts))))
     if not isinstance(quantity, str):
-        return panels_of_several(solution, quantity, parts)
+        wanted: Wanted = [quantity] if is_one_with_parts(quantity) else quantity
+        return panels_of_several(solution, wanted, parts)
     if quantity not in PANELS:
         raise InputError(f"quantity {short_repr(quantity)} is unknown; give one of {', '.join(PANELS)}")
+    if others := [part for part in parts if isinstance(part, str) and part in PANELS]:
+        raise InputError(f"'{others[0]}' is a quantity, not a part; several are a list: {[quantity, *others]}")
     if parts and quantity in SYSTEM_QUANTITIES:
         raise InputError(f"{quantity} belongs to the whole system; give no parts")
-    return PANELS[quantity](solution, quantity, parts)
+    return sized(solution, PANELS[quantity](solution, quantity, parts))
+
+
+def sized(solution: RunResult, panels: list[Panel]) -> list[Panel]:
+    """Return panels with the natural size of their quantity."""
+    sizes = natural_sizes(solution)
+    return [panel._replace(size=sizes.get(panel.unit, 0.0)) for panel in panels]
+
+
+def is_one_with_parts(wanted: Any) -> TypeGuard[tuple[str | Part, ...]]:
+    """Return whether a tuple is one quantity with its parts, as ("reaction", hinge), and no list of quantities."""
+    return (
+        isinstance(wanted, tuple)
+        and len(wanted) > 1
+        and isinstance(wanted[0], str)
+        and all(isinstance(part, Part) and part not in PANELS for part in wanted[1:])
+    )
 
 
 def measures_only(entries: tuple[Any, ...]) -> tuple[Measure, ...]:

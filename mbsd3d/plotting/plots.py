@@ -27,7 +27,9 @@ from .panels import Panel, Part, PlotQuantity, Wanted, panels_of
 
 LINE_STYLES = ("-", "--", ":", "-.")
 MARKED_SAMPLES_MAX = 40  # [1] samples that are marked one by one: straight lines between few of them could mislead
-LEGEND_LINES_MAX = 14  # [1] lines of a legend
+LEGEND_LINES_MAX = 14  # [1] lines up to which all are named
+NAMED_LINES_COUNT = 10  # [1] of more lines, the strongest, which keep their colours; the others are thin and grey
+OTHER_WIDTH_RATIO, OTHER_ORDER = 0.4, 1.5  # [1] of their width; place among what is drawn: behind lines, which have 2
 RESIDUAL_FLOOR_EXPONENT = -18  # [1] exponent of the smallest residual shown; smaller ones are rounding
 
 
@@ -63,7 +65,7 @@ def plot_quantity(
         for target, panel in zip(targets, panels, strict=True):
             legend = ([name for name, _ in panel.lines], panel.note)
             draw_panel(target, solution.t, panel, across, look, legend=legend != before)
-            size = largest(panels, panel.unit)
+            size = max(largest(panels, panel.unit), panel.size)
             if panel.unit == "[N m]":  # a moment is rounding beside what the forces make on the model's length
                 size = max(size, largest(panels, "[N]") * float(solution.compiled.model.length))
             set_range(target, panel, size)
@@ -119,25 +121,36 @@ def draw_panel(axes: Axes, t: np.ndarray, panel: Panel, across: Panel | None, lo
     if across is not None and not marks:
         marks = {"marker": "o", "markersize": 5, "markevery": [0]}
     horizontal = [t] * len(panel.lines) if across is None else lines_across(panel, across)
-    drawn = []
-    for x, (name, values) in zip(horizontal, panel.lines, strict=True):
+    drawn, named = [], strongest(panel)
+    for k, (x, (name, values)) in enumerate(zip(horizontal, panel.lines, strict=True)):
         shown = np.where(values > 0.0, values, np.nan) if panel.log else values
-        drawn += axes.plot(x, shown, label=name, linewidth=LINE_WIDTH_POINTS, **marks)
+        pen: dict[str, Any] = {"linewidth": LINE_WIDTH_POINTS, **marks}
+        if k not in named:
+            pen = {"linewidth": OTHER_WIDTH_RATIO * LINE_WIDTH_POINTS, "zorder": OTHER_ORDER}
+            pen |= {"color": look.muted, "linestyle": "-"}  # both, so that it takes none of the others' colours
+        drawn += axes.plot(x, shown, label=name, **pen)
     if t.size > 1 and across is None:
         margin = 0.01 * (t[-1] - t[0])
         axes.set_xlim(t[0] - margin, t[-1] + margin)
     axes.set_ylabel("\n".join(textwrap.wrap(f"{panel.label} {panel.unit}", 30)), parse_math=False)
     if legend and (len(panel.lines) > 1 or panel.note):
-        write_legend(axes, drawn, panel.note, look)
+        write_legend(axes, [drawn[k] for k in named], len(drawn) - len(named), panel.note, look)
 
 
-def write_legend(axes: Axes, drawn: list[Line2D], note: str, look: Theme) -> None:
+def strongest(panel: Panel) -> list[int]:
+    """Return the places of the lines to name: all, in their order, or of many those of largest size, largest first."""
+    if len(panel.lines) <= LEGEND_LINES_MAX:
+        return list(range(len(panel.lines)))
+    sizes = [float(np.nanmax(np.abs(values), initial=0.0)) for _, values in panel.lines]
+    return sorted(range(len(sizes)), key=lambda k: -sizes[k])[:NAMED_LINES_COUNT]
+
+
+def write_legend(axes: Axes, named: list[Line2D], others: int, note: str, look: Theme) -> None:
     """Draw the legend beside the data, never on it; names are written as they are, whatever signs they hold."""
-    shown = drawn if len(drawn) <= LEGEND_LINES_MAX else drawn[: LEGEND_LINES_MAX - 1]
-    names = [str(line.get_label()) for line in shown]
-    if len(shown) < len(drawn):
-        names.append(f"and {len(drawn) - len(shown)} more")
-        shown = [*shown, Line2D([], [], linestyle="none")]
+    shown, names = named, [str(line.get_label()) for line in named]
+    if others:
+        names.append(f"and {others} smaller ones")
+        shown = [*shown, Line2D([], [], linewidth=OTHER_WIDTH_RATIO * LINE_WIDTH_POINTS, color=look.muted)]
     places = [str(k) for k in range(len(names))]  # matplotlib drops names that start with "_"
     beside: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0), "frameon": False}
     legend = axes.legend(shown, places, title=note or None, labelcolor=look.ink, **beside)
@@ -157,7 +170,7 @@ def largest(panels: list[Panel], unit: str) -> float:
 def set_range(axes: Axes, panel: Panel, size: float) -> None:
     """Set whole decades on a logarithmic axis; rounding is not magnified: ``size`` is the largest value of this
     unit."""
-    values = np.concatenate([values for _, values in panel.lines])
+    values = np.concatenate([np.array(panel.shows), *(values for _, values in panel.lines)])
     values = values[np.isfinite(values) & (values > 0.0 if panel.log else True)]
     if not values.size:
         return
@@ -167,6 +180,8 @@ def set_range(axes: Axes, panel: Panel, size: float) -> None:
         axes.set_yscale("log")
         axes.set_ylim(10.0 ** min(max(np.floor(np.log10(low)), RESIDUAL_FLOOR_EXPONENT), last - 1.0), 10.0**last)
         axes.yaxis.set_minor_formatter(NullFormatter())
+    elif panel.shows:
+        axes.set_ylim(low - 0.05 * (high - low), high + 0.05 * (high - low))
     elif high - low < 1e-9 * size:
         axes.set_ylim(low - 0.05 * size, high + 0.05 * size)
 

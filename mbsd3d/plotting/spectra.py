@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..base.errors import InputError
-from ..base.style import Theme, label_decades, new_figure, style_axes, with_superscripts
+from ..base.style import Theme, label_decades, new_figure, style_axes
+from ..base.wording import with_superscripts
 from ..results.spectrum import Density, Spectrum, Waterfall
 
 if TYPE_CHECKING:

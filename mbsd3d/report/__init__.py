@@ -1,7 +1,7 @@
 """Report of a run: one page with its evidence, which needs neither a network nor this package.
 
 - `page`: the page, from the template in mbsd3d/templates
-- `facts`: what it says in numbers: facts, tables and sentences
+- `facts`: its content: facts, tables and sentences
 - `exhibits`: which figures and pictures it shows
 - `wording`: numbers and counts as text
 """

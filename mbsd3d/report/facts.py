@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ..base.style import SUPERSCRIPTS, counted
+from ..base.wording import counted, digits, triple
 from ..constraints.redundancy import Diagnosis
 from ..mechanism.drivers import Driver
 from ..mechanism.joints import Joint
@@ -223,13 +223,13 @@ def freedom_facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     """Return counts and rank of `System.check`."""
     d = diagnosis
     facts = [
-        ("verdict", d.verdict),
+        ("assessment", d.verdict),
         ("velocities", f"{d.velocities} of {counted(d.coordinates // 7, 'body')}"),
         ("constraint rows", f"{d.rows}, of rank {d.rank}: {d.redundant} redundant"),
         ("mobility", f"degrees of freedom: {d.mobility} of velocity, {d.configuration_freedom} of position"),
         ("Gruebler count", f"{d.gruebler}".replace("-", "−") + (" (does not see geometry)" if d.redundant else "")),
     ]
-    facts += [("cure", cure.text) for cure in d.cures[:3]]
+    facts += [("remedy", cure.text) for cure in d.cures[:3]]
     return [*facts, *(("note", text) for text in d.notes)]
 
 
@@ -250,34 +250,3 @@ def drift_facts(solution: RunResult) -> list[tuple[str, str]]:
         left = digits(gained - work, count=2)
         facts.append(("energy", f"changed by {digits(gained, size)} J; {did}; left over {left} J"))
     return facts
-
-
-VALUE_ROUNDING = 1e-9  # [1] of the size of a quantity; smaller values are rounding
-
-
-def digits(value: float, size: float = 0.0, count: int = 4) -> str:
-    """Format a number with ``count`` significant digits; 0 if it is rounding of a value as large as ``size``."""
-    if abs(value) <= VALUE_ROUNDING * size:
-        return "0"
-    return typeset(f"{value:.{count}g}")
-
-
-def relative(value: float, count: int = 1) -> str:
-    """Format a relative error or its limit: a power of ten, as the certificate writes it."""
-    return typeset(f"{value:.{count - 1}e}") if value else "0"
-
-
-def typeset(text: str) -> str:
-    """Return a printed number with its power of ten raised."""
-    if "e" in text:
-        mantissa, exponent = text.split("e")
-        power = f"10{str(int(exponent)).translate(SUPERSCRIPTS)}"
-        text = {"1": power, "-1": f"-{power}"}.get(mantissa, f"{mantissa} · {power}")
-    return text.replace("-", "−")
-
-
-def triple(values: Iterable[float], size: float = 0.0) -> str:
-    """Format the components of a vector; rounding beside the largest component is 0."""
-    given = [float(value) for value in values]
-    size = max(size, *map(abs, given))
-    return "(" + ", ".join(digits(value, size) for value in given) + ")"

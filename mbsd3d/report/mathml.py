@@ -7,12 +7,13 @@ semicolon between them stand below each other. A line may break behind a comma i
 """
 
 import re
+from collections.abc import Collection
 from html import escape
 
 from ..base.errors import InputError
 
-LETTERS = "alpha beta gamma delta theta lambda lam mu rho phi psi pi w W".split()
-GREEK = dict(zip(LETTERS, "αβγδθλλμρφψπωΩ", strict=True))
+LETTERS = "alpha beta gamma delta theta lambda lam mu rho tau phi psi pi w W".split()
+GREEK = dict(zip(LETTERS, "αβγδθλλμρτφψπωΩ", strict=True))
 SIGNS = {"-": "−", "+-": "±", "<=": "≤", ">=": "≥", "~": "∼", "x": "×", ".": "·"}
 DOTS = {"'": "˙", "_dot": "˙", "''": "¨", "_ddot": "¨"}
 FUNCTIONS = ("sin", "cos", "tan", "cot", "acos", "atan2", "cd", "det", "mod")
@@ -24,16 +25,31 @@ SPACE = '<mspace width=".3em"></mspace>'
 THIN = '<mspace width=".2em"></mspace>'
 
 
-def mathml(text: str) -> str:
-    """Return one paragraph for each formula of a text; raise ValueError where a bracket stays open."""
-    return "".join(f"<p>{Reader(line).formula()}</p>" for line in text.split(";"))
+def mathml(text: str, symbols: Collection[str] = ()) -> str:
+    """Return one paragraph for each formula of a text, with ``data-symbol`` at those symbols; raise ValueError where a
+    bracket stays open.
+    """
+    return "".join(f"<p>{Reader(line, symbols).formula()}</p>" for line in text.split(";"))
+
+
+def letters(text: str) -> set[str]:
+    """Return the symbols of formulas without their dots: names of one letter, with or without an index; not x, which
+    may be the cross product.
+    """
+    pieces = {without_dots(piece) for line in text.split(";") for _, piece in PIECE_PATTERN.findall(line)}
+    return {piece for piece in pieces if piece not in ("x", "pi", *FUNCTIONS) and "<mi>" in name(piece)}
+
+
+def without_dots(piece: str) -> str:
+    """Return a symbol without dots for derivatives."""
+    return re.sub(r"_d?dot$", "", piece.rstrip("'"))
 
 
 class Reader:
     """Pieces of one formula from the left: (whether a space stands before it, text)."""
 
-    def __init__(self, text: str) -> None:
-        self.text = text
+    def __init__(self, text: str, symbols: Collection[str] = ()) -> None:
+        self.text, self.symbols = text, symbols
         self.pieces = [(bool(space), piece) for space, piece in PIECE_PATTERN.findall(text)][::-1]
         self.inside: dict[str, str] = {}  # what stands in the brackets read so far
 
@@ -113,6 +129,8 @@ class Reader:
             self.inside[found] = inside if piece == "(" else found
         else:
             found = f"<mn>{piece}</mn>" if piece[0].isdigit() else name(piece)
+            if (symbol := without_dots(piece)) in self.symbols:
+                found = f'<mrow data-symbol="{symbol}">{found}</mrow>'
         if self.coming == (False, "^"):
             self.take()
             raised = self.bracket(self.take())[1] if self.coming[1] == "(" else self.power()

@@ -13,6 +13,7 @@ from ..base.concurrency import on_one_thread
 from ..base.errors import InputError
 from ..base.style import theme
 from ..base.templates import HtmlPage, page_template
+from ..base.wording import digits, relative
 from ..constraints.redundancy import diagnose
 from ..plotting.panels import Wanted
 from ..results.certificate import certificate_of
@@ -21,7 +22,6 @@ from ..results.result import RunResult
 from ..view.scene.drawing import title_of
 from . import facts
 from .exhibits import figure_of, picture_of, wanted_curves
-from .facts import digits, relative
 
 FIT_TOLERANCE_DEFAULT = 1e-5  # [m] play of real parts, as `System.check` takes it
 BAR_DECADES = 16.0  # [1] decades of the certificate's bars, from 1e-16 to 1
@@ -32,6 +32,8 @@ MEANING = {
     "turns of hinges": "no turn is miscounted",
     "signals": "steps follow the sines",
     "contacts": "steps see bodies touch",
+    "overlap": "contacts let no body through",
+    "held loads": "locks and friction bear no more than they can",
     "energy balance": "energy changes by the work done",
     "momentum balance": "momentum changes by the impulse",
     "angular momentum": "it changes by the angular impulse",

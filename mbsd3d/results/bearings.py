@@ -34,7 +34,7 @@ AXIAL_FACTOR = (2.30, 1.99, 1.71, 1.55, 1.45, 1.31, 1.15, 1.04, 1.00)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BearingLoad(Sampled):
-    """The load of a bearing at the samples; force and moment in the joint's frame: two axes across, then the axis.
+    """Bearing load at the samples; force and moment in the joint's frame: two transverse axes, then the axis.
 
     ``unique_force`` and ``unique_moment`` say which of these components the constraints determine; the others, of
     redundant joints, are NaN, and `axial` or `tilting` made of them raise ValueError. The radial load is determined; at
@@ -86,11 +86,12 @@ def bearing_load(
 ) -> BearingLoad:
     """Return the reaction of a joint as radial force, axial force and tilting moment.
 
-    ``joint``: one at a point that lets b turn: Revolute, Cylindrical, Screw, Spherical, ... ``axis``: of the bearing
-    (3,), world at the reference pose; None = the joint's own. ``frame``: the body, "a" or "b", in which the axis and
-    the directions across it are fixed: a for the load on a fixed ring, b for a turning one. Redundant constraints may
-    leave the axial force or the tilting moment open, as between hinges with parallel axes: these raise when they are
-    read. ValueError for joints that do not turn or have no axis, and where the radial load itself is open.
+    ``joint``: one that lets b rotate about its point: Revolute, Cylindrical, Screw, Spherical, ... ``axis``: of the
+    bearing (3,), world at the reference pose; None = the joint's own. ``frame``: the body, "a" or "b", in which the
+    axis and the directions across it are fixed: a for the load on a fixed ring, b for a turning one. Redundant
+    constraints may leave the axial force or the tilting moment undetermined, as between hinges with parallel axes:
+    reading these then raises ValueError. ValueError for joints that do not rotate or have no axis, and if the radial
+    load itself is undetermined.
 
     >>> from mbsd3d import GROUND, Body, Revolute, System, accelerations
     >>> disc = Body("disc", mass=10.0, inertia=(0.1, 0.1, 0.2))
@@ -147,16 +148,16 @@ def relative_spin(solution: RunResult, part: Joint) -> np.ndarray:
 def bearing_pair(
     solution: RunResult, joint: Joint | str, *, fixed: ArrayLike, floating: ArrayLike
 ) -> tuple[BearingLoad, BearingLoad]:
-    """Return the loads of the (fixed, floating) bearings of one shaft that together are the hinge.
+    """Return the loads of the (fixed, floating) bearings of one shaft that together replace the hinge.
 
     The fixed one takes the axial force.
 
     From force F and moment M at the fixed bearing A, with the floating one at B = A + L u: ``F_B = M x u / L``, ``F_A =
     F - F_B``; no tilting moments are left. The radial loads need the radial force and the tilting moment of the hinge.
 
-    ``joint``: the Revolute of the shaft; its body a carries the housing. ``fixed``, ``floating``: middles (3,) of the
-    bearings on the axis of the hinge, world at the reference pose [m]. ValueError as `bearing_load`, where the tilting
-    moment is open, and for points off the axis or at one place.
+    ``joint``: the Revolute of the shaft; its body a carries the housing. ``fixed``, ``floating``: centres (3,) of the
+    bearings on the axis of the hinge, world at the reference pose [m]. ValueError as for `bearing_load`, if the tilting
+    moment is undetermined, and for points that are off the axis or coincide.
 
     >>> from mbsd3d import GROUND, Body, Revolute, System, accelerations
     >>> disc = Body("disc", mass=10.0, inertia=(0.1, 0.1, 0.2), position=(0.25, 0, 0))
@@ -193,7 +194,7 @@ def bearing_pair(
 
 @dataclass(frozen=True)
 class RatingLife:
-    """Basic rating life of 90 % reliability under the loads of a run, repeated for ever."""
+    """Basic rating life at 90 % reliability under the loads of a run, repeated indefinitely."""
 
     load: float  # mean equivalent dynamic load P_m [N]
     speed: float  # mean of the magnitude of the speed [rad/s]
@@ -206,7 +207,7 @@ class Rating(Frozen):
     """Base class of rolling bearings.
 
     ``C``: basic dynamic load rating [N] > 0; ``p``: load-life exponent, 3 for balls and 10/3 for rollers; ``tilting``:
-    tilting moment it can carry besides [N m].
+    tilting moment that it can also carry [N m].
     """
 
     _: KW_ONLY
@@ -258,7 +259,7 @@ class Rating(Frozen):
 
 @part_class(eq=True)
 class RollingBearing(Rating):
-    """A bearing with the factors of its catalogue; the defaults are those of one that carries radial loads alone.
+    """A bearing with the factors of its catalogue; the defaults suit one that carries only radial loads.
 
     ``X``, ``Y``: radial and axial factor; ``e``: the ratio |F_a| / F_r above which they count; ``C, p, tilting`` as
     `Rating`.

@@ -1,4 +1,4 @@
-"""The certificate of a result: the checks, the size of the errors, and why it fails if it does.
+"""Certificate of a result: the checks, the size of the errors, and the reasons if it fails.
 
 Every check is made from the stored samples with the true equations, whatever the teaching switches dropped:
 constraint residuals, energy against work, momentum against impulse, Newton-Euler residuals, acceleration rows.
@@ -10,30 +10,31 @@ import numpy as np
 
 from ..base.checks import short_repr
 from ..base.errors import NameMissingError
-from ..base.style import html_text
+from ..base.style import Result
+from ..base.wording import error_text
 from ..constraints.singularity import INFINITESIMAL, describe_singularity
 from ..equations.plausibility import loose_bodies
 from ..mechanism.joints import Joint
 from ..mechanism.limits import Limit
 from .checks.balances import BALANCES, balance_checks, work_note
-from .checks.between_stages import TOUCHES, signal_checks, stage_notes, touch_checks
+from .checks.between_stages import TOUCHES, overlap_checks, signal_checks, stage_notes, touch_checks
 from .checks.check import DRIFT_LIMIT_MAX, PASSED, Check, drift_limit, scales_of
 from .checks.equations import equation_checks, joint_checks, lost, residuals
-from .checks.friction import friction_notes
+from .checks.friction import OF_GAIN, friction_notes, held_checks, limit_checks, rope_checks
 from .checks.rounding import rounding, rounding_checks, singular_notes
 from .checks.turns import turning_checks
 from .record import HasOptions, RankEvent, Record, RunOptions
 from .result import RunResult
 
-FAR_TURN = 1.0  # rad in a step: beyond, its error is no small share of the turn
+FAR_TURN = 1.0  # rad in a step: beyond, its error is not a small share of the turn
 COARSE_ORDER = 2  # of methods whose steps follow no estimate that sees a turn
 
 
-@dataclass(frozen=True)
-class Certificate(HasOptions):
+@dataclass(frozen=True, repr=False)
+class Certificate(HasOptions, Result):
     """How a result was computed and how far it can be trusted.
 
-    ``passed`` is True if every check is within its limit and the run reached its end; ``failures`` says what is not.
+    ``passed`` is True if every check is within its limit and the run reached its end; ``failures`` lists what is not.
     The checks are of local consistency: whether every sample meets the equations and the balances. How far the motion
     is from the true one is the global error: ``error``, ``order`` and ``doubling`` (the time [s] in which
     errors double, if they grow exponentially) are None until `Solution.estimate` has compared with tighter runs.
@@ -52,6 +53,7 @@ class Certificate(HasOptions):
     order: float | None = None
     doubling: float | None = None
     turned: str = ""
+    begin: float = 0.0  # s
     notes: tuple[str, ...] = field(default=())
 
     @property
@@ -80,7 +82,7 @@ class Certificate(HasOptions):
 
     @property
     def growth(self) -> str:
-        """Describe what errors do in an unstable motion; empty for one that is not, or not known to be."""
+        """Describe how errors grow in an unstable motion; empty if it is stable or its stability is unknown."""
         return "" if self.doubling is None else f"the motion is unstable, errors double every {self.doubling:.3g} s"
 
     def __getitem__(self, name: str) -> Check:
@@ -101,7 +103,7 @@ class Certificate(HasOptions):
         lines.append(f"  local consistency: {'ok' if all(c.passed for c in self.checks) else 'FAILED'}")
         lines.append(f"  global error: {self.global_error}")
         lines += [
-            f"  {'ok  ' if c.passed else 'FAIL'} {c.name:<22} {c.error:9.2e}  (limit {c.limit:.0e})"
+            f"  {'ok  ' if c.passed else 'FAIL'} {c.name:<22} {error_text(c.error, 3):>9}  (limit {c.limit:.0e})"
             for c in self.checks
         ]
         lines += [f"  {text}" for text in (*self.notes, *((self.stopped_by,) if self.stopped_by else ()))]
@@ -109,16 +111,19 @@ class Certificate(HasOptions):
 
     @property
     def global_error(self) -> str:
-        """Describe what is known of the distance from the true motion."""
+        """Describe what is known about the deviation from the true motion."""
         if self.error is None:
-            return f"unknown{self.turned}; solution.estimate() finds it"
+            what = f"what is{self.since}" if self.since else "it"
+            return f"unknown{self.turned}; solution.estimate() finds {what}"
         order = "" if self.order is None else f", observed order {self.order:.2f}"
         verdict = "ok" if self.error <= DRIFT_LIMIT_MAX else f"FAILED, limit {DRIFT_LIMIT_MAX:.0e}"
         growth = f"; {self.growth}" if self.growth else ""
-        return f"{verdict}, {self.error:.2e} (model lengths, radians){order}{growth}"
+        return f"{verdict}, {error_text(self.error, 3)} (model lengths, radians){self.since}{order}{growth}"
 
-    def _repr_html_(self) -> str:
-        return html_text(str(self))
+    @property
+    def since(self) -> str:
+        """State the time from which errors are known, for a run that does not start at 0 s."""
+        return f" added from {self.begin:.6g} s on" if self.begin else ""
 
 
 def certificate_of(solution: RunResult) -> Certificate:
@@ -134,11 +139,13 @@ def certify(solution: RunResult) -> Certificate:
     record, limit, remarks = solution.record, drift_limit(solution.record), notes(solution)
     if solution.pieces:
         checks = [*worst_of_pieces(solution), *touch_checks(solution), *balance_checks(solution, limit, False)]
-        remarks += [text for piece in solution.pieces for text in certificate_of(piece).notes if text not in remarks]
+        of_pieces = [text for piece in solution.pieces for text in certificate_of(piece).notes]
+        remarks += [text for text in dict.fromkeys(of_pieces) if text not in remarks and OF_GAIN not in text]
     elif solution.t.size:
         missed, opened = residuals(solution), rounding(solution)
         joints = joint_checks(solution, missed) + turning_checks(solution) + signal_checks(solution)
-        joints += touch_checks(solution)
+        joints += touch_checks(solution) + overlap_checks(solution) + rope_checks(solution)
+        joints += held_checks(solution) + limit_checks(solution)
         equations = equation_checks(solution, missed, opened.singular)
         met = all(check.passed for check in joints + equations)
         checks = [*joints, *balance_checks(solution, limit, met), *equations]
@@ -158,18 +165,20 @@ def certify(solution: RunResult) -> Certificate:
         checks=tuple(checks),
         stopped_by=record.stopped_by,
         turned=far_turn(record),
+        begin=solution.start.t,
         notes=tuple(remarks),
     )
 
 
 def worst_of_pieces(solution: RunResult) -> list[Check]:
-    """Return every check of the pieces between events, of the piece that is nearest to failing it.
+    """Return each check of the piece between events that is closest to failing it.
 
-    Balances and what touches change add up over the run: they are judged of the whole.
+    Balances and changes by contacts add up over the run, so they are judged over the whole run.
     """
     worst: dict[str, Check] = {}
-    for piece in solution.pieces:
+    for piece, later in zip(solution.pieces, [*solution.pieces[1:], None], strict=True):
         piece.derived["scales"] = scales_of(solution)
+        piece.derived["switch at the end"] = () if later is None else switched_between(piece, later)
         for check in certificate_of(piece).checks if piece.t.size else ():
             known = worst.get(check.name)
             if check.name not in (*BALANCES, TOUCHES) and (
@@ -177,6 +186,12 @@ def worst_of_pieces(solution: RunResult) -> list[Check]:
             ):
                 worst[check.name] = check
     return list(worst.values())
+
+
+def switched_between(piece: RunResult, later: RunResult) -> tuple[str, ...]:
+    """Return the names of the parts whose mode changed at an event."""
+    modes = later.compiled.modes
+    return tuple(name for name, mode in piece.compiled.modes.items() if modes.get(name) != mode)
 
 
 def far_turn(record: Record) -> str:
@@ -188,13 +203,13 @@ def far_turn(record: Record) -> str:
 
 
 def start_notes(solution: RunResult) -> list[str]:
-    """Say why a run fails that starts in a pose whose mobility is infinitesimal."""
+    """Explain why a run fails that starts in a pose of infinitesimal mobility."""
     what = describe_singularity(solution.compiled, solution.start)
     return [f"the mobility at the start is {what}"] if what.startswith(INFINITESIMAL) else []
 
 
 def notes(solution: RunResult) -> list[str]:
-    """Return notes of the system, choices in the start, singular positions, rank events and missing checks."""
+    """Return notes on the system, choices at the start, singular positions, rank events and missing checks."""
     found = [*solution.system.notes, *solution.record.coupled, *(f"start: {text}" for text in solution.start.notes)]
     events = solution.record.rank_events
     found += [f"rank event at t = {t:.6g} s: {rank} rows kept ({why})" for t, rank, why, _ in events]

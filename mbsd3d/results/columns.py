@@ -1,11 +1,11 @@
-"""Every quantity of every part of a run as columns of numbers, and what a column means."""
+"""Every quantity of every part of a run as columns of numbers, and the meaning of each column."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from ..mechanism.bodies import GROUND
-from ..mechanism.drivers import Driver, PositionDriver
+from ..mechanism.drivers import Driver, OrientationDriver, PositionDriver
 from ..mechanism.force_element import ForceElement
 from ..mechanism.forces.custom import FunctionForce, SavedForce
 from ..mechanism.measures import state
@@ -126,6 +126,8 @@ def columns_of_effort(solution: RunResult, driver: Driver) -> list[Column]:
     units = [unit for row in driver.rows() for unit in ["N" if row.in_metres else "N m"] * row.n_rows]
     if isinstance(driver, PositionDriver):
         labels = [f".{axis}" for axis, signal in zip("xyz", driver.signal, strict=True) if signal is not None]
+    elif isinstance(driver, OrientationDriver):
+        labels = [".x", ".y", ".z"]
     else:
         labels = [""] if len(units) == 1 else [f".{k}" for k in range(len(units))]
     names = [solution.system.name(driver) + label for label in labels]

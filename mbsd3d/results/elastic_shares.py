@@ -42,7 +42,9 @@ class Elasticity(NamedTuple):
     def of(
         cls, compiled: Compiled, shares: str, stiffness: PairsOfJoints | None, tolerances: PairsOfJoints | None
     ) -> "Elasticity | None":
-        """Return what was given, None for shares of least norm; InputError for what is missing or not used."""
+        """Return the given values, None for shares of least norm; InputError for values missing or unused."""
+        if isinstance(shares, str) and shares == "least norm" and stiffness is None and tolerances is None:
+            return None
         check_choice(shares, SHARES, "solution.reaction: shares")
         needed = {"stiffness": shares != "least norm", "tolerances": shares == "range"}
         for name, given in (("stiffness", stiffness), ("tolerances", tolerances)):
@@ -92,7 +94,7 @@ def elastic_shares(
 
     ``lam``: of the run; ``arms`` (samples, 3): from O of body b to the joint's point, world [m]. The second one is
     (samples, 6, rows): force [N] and moment [N m] about that point by each row that is as far off as it may be.
-    Only rows that share loads with the group are looked at.
+    Only rows that share loads with the group are considered.
     """
     compiled = run.compiled
     shared, apart = lam.copy(), np.zeros((run.t.size, 6, lam.shape[1]))
@@ -111,7 +113,7 @@ def elastic_shares(
 
 
 def check_given(compiled: Compiled, rows: np.ndarray, given: Elasticity) -> None:
-    """Raise an error for a joint among those that share loads of which nothing was given."""
+    """Raise an error for a joint that shares loads and for which nothing was given."""
     for name, values in (("stiffness", given.stiffness), ("tolerances", given.tolerance)):
         if values is not None and np.isnan(values[rows]).any():
             joint = compiled.system.joints[compiled.row_joint[rows[np.isnan(values[rows])][0]]]
@@ -122,7 +124,7 @@ def check_given(compiled: Compiled, rows: np.ndarray, given: Elasticity) -> None
 
 
 def gradients(compiled: Compiled, J: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Return by what rows (m,) grow if b moves by a metre or a radian along them.
+    """Return the growth of rows (m,) if b moves by a metre or a radian along them.
 
     It is 1 but for joints as `ConstantVelocity`; rows of couplings over several hinges count in their own unit.
     """

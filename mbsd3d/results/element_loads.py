@@ -1,7 +1,7 @@
-"""What a force element does to one body: wrench, power, stored energy and stretch at every sample.
+"""Effect of a force element on one body: wrench, power, stored energy and stretch at every sample.
 
 The kernel of all loads is called with a table that holds this element alone, without gravity: what it leaves in Q of a
-body is the wrench of the element about O. No law is written a second time.
+body is the wrench of the element about O. No law is implemented twice.
 """
 
 from dataclasses import dataclass, field, fields
@@ -12,14 +12,16 @@ import numpy as np
 from ..base.checks import short_repr
 from ..base.errors import InputError
 from ..base.style import Sampled
-from ..dynamics.batch import joint_wrenches, loads_of_sample
+from ..dynamics.batch import joint_wrenches, loads_of_sample, loads_of_samples
 from ..equations.compiled import new_data
 from ..mechanism.bodies import Body, Ground
 from ..mechanism.force_element import ForceElement
+from ..mechanism.forces.backlash import Backlash
 from ..mechanism.forces.by_table import ForceCurve
 from ..mechanism.forces.contact import Contact
 from ..mechanism.forces.custom import SavedForce
 from ..mechanism.forces.linear_actuator import LinearActuator
+from ..mechanism.forces.rope import OverPulleys
 from ..mechanism.forces.springs import SpringDamper
 from ..mechanism.forces.tyre import Tyre
 from ..mechanism.switching import is_switching
@@ -49,7 +51,7 @@ class Load(Sampled):
 
 @dataclass(frozen=True, repr=False, kw_only=True)
 class TyreLoad(Load):
-    """What a tyre does to its wheel, (samples,) each; the point is the contact point, which travels.
+    """Load of a tyre on its wheel, (samples,) each; the point is the moving contact point.
 
     ``normal``, ``longitudinal`` (ahead), ``lateral`` (to the left) [N] and ``aligning`` moment [N m]; velocities of the
     tread ``slip_x``, ``slip_y`` and |speed| of the hub [m/s]; ``camber`` [rad] to the right; ``saturation``: the part
@@ -68,17 +70,29 @@ class TyreLoad(Load):
 
     @property
     def slip_angle(self) -> np.ndarray:
-        """Return the angle from the way the wheel rolls to the way it points [rad], > 0 for a force to the left."""
+        """Return the angle from the rolling direction to the wheel's heading [rad], > 0 for a force to the left."""
         return -np.arctan2(self.slip_y, self.speed)
 
     @property
     def slip_ratio(self) -> np.ndarray:
         """Return slip over the speed of the hub, > 0 where the force is ahead; infinite or NaN at rest.
 
-        The force is ahead on a driven wheel, and on one that is braked on the way back.
+        The force points ahead on a driven wheel, and on one that is braked while it rolls back.
         """
         with np.errstate(divide="ignore", invalid="ignore"):
             return -self.slip_x / self.speed
+
+
+@dataclass(frozen=True, repr=False, kw_only=True)
+class RopeLoad(Load):
+    """Load of a rope or a belt on a body that it passes; its wrench is given at the first point or centre there.
+
+    ``tension`` [N] of each section between ends and rough pulleys, of each strand of a belt (samples, k); ``wrap``
+    [rad] on each pulley in turn, of a belt on the second one (samples, p).
+    """
+
+    tension: np.ndarray
+    wrap: np.ndarray
 
 
 def load_of(solution: RunResult, force: ForceElement | str, on: Body | Ground | str | None = None) -> Load:
@@ -102,6 +116,9 @@ def load_of(solution: RunResult, force: ForceElement | str, on: Body | Ground | 
     turn = wrench[:, 3:] - np.cross(point - origin, push)
     found: dict[str, Any] = {"force": push, "moment": turn, "point": point, "power": power, "stored": stored}
     found |= {**stretch(solution, part), "states": own, "state_rates": own_rates}
+    if isinstance(part, OverPulleys):
+        tension, wrap = tensions_and_wraps(solution, part)
+        return RopeLoad(**found, tension=tension, wrap=wrap)
     if not isinstance(part, Tyre):
         return Load(**found)
     seen = dict(zip(part.shows, shown[:, 3:].T, strict=True))
@@ -121,7 +138,7 @@ def joined_loads(pieces: list[Load]) -> Load:
 
 
 def acted_body(solution: RunResult, part: ForceElement, on: Body | Ground | str | None) -> Body | Ground:
-    """Return the body meant: None = body b of two, the last one of a `CustomForce`."""
+    """Return the body asked for: None = body b of two, the last one of a `CustomForce`."""
     bodies = list({id(body): body for body in part.record().bodies}.values())
     if on is None:
         return bodies[-1]
@@ -135,7 +152,7 @@ def acted_body(solution: RunResult, part: ForceElement, on: Body | Ground | str 
 
 def acting_points(solution: RunResult, part: ForceElement, body: Body | Ground) -> np.ndarray:
     """Return the points (samples, 3) of `ForceElement.acts_at`, or where the joint gives its reaction."""
-    if part.record().coordinate is not None:
+    if part.record().coordinate is not None and part.partners():
         return part.partners()[0].reaction_points(solution)
     if isinstance(part, Contact):
         return part.acting_points(solution)
@@ -156,19 +173,28 @@ def wrenches_about_O(
     alone = compiled.forces_alone(slice(k, k + 1))
     data, index = new_data(alone), compiled.body_index[id(body)]
     wrench, power, shown = np.empty((samples, 6)), np.empty(samples), np.empty((samples, 12))
-    own = slice(int(alone.force["state"][0]), int(alone.force["state"][0] + alone.force["states"][0]))
-    rates = np.empty((samples, own.stop - own.start))
-    for i in range(samples):
-        loads_of_sample(alone, data, solution.t[i], arrays["state"][i], arrays["coordinate"][i], arrays["lam"][i])
-        wrench[i] = data.body["Q"][index]
-        power[i] = np.sum(data.body["Q"][:-1] * arrays["v"][i])
-        rates[i], shown[i] = data.state_rate[own], data.force["shown"][0]
+    rates = np.empty((samples, int(alone.force["states"][0])))
+    named = (arrays[name] for name in ("state", "coordinate", "lam", "v"))
+    *seen, v = (np.ascontiguousarray(x) for x in (solution.t, *named))
+    loads_of_samples(alone, data, *seen, v, index, wrench, power, rates, shown)
     if is_switching(part):
         rows, held = compiled.rows[id(part)], np.zeros((1, samples, 6))
-        seen = map(np.ascontiguousarray, (solution.t, arrays["state"], arrays["coordinate"], arrays["lam"]))
         joint_wrenches(compiled.model, compiled.data(), *seen, np.array([[rows.start, rows.stop, index]]), held)
         wrench += held[0]
     return wrench, power, rates, shown
+
+
+def tensions_and_wraps(solution: RunResult, part: OverPulleys) -> tuple[np.ndarray, np.ndarray]:
+    """Return (tensions (samples, k) [N], wraps (samples, p) [rad]) of a rope or a belt."""
+    arrays, k = solution.arrays, solution.system.forces.index(part)
+    alone = solution.compiled.forces_alone(slice(k, k + 1))
+    data, tensions, wraps = new_data(alone), [], []
+    for i in range(solution.t.size):
+        loads_of_sample(alone, data, solution.t[i], arrays["state"][i], arrays["coordinate"][i], arrays["lam"][i])
+        tension, wrap = part.read(data.scratch)
+        tensions.append(tension.copy())
+        wraps.append(wrap.copy())
+    return np.array(tensions), np.array(wraps)
 
 
 def stretch(solution: RunResult, part: ForceElement) -> dict[str, np.ndarray]:
@@ -177,6 +203,10 @@ def stretch(solution: RunResult, part: ForceElement) -> dict[str, np.ndarray]:
     if x is not None:
         values = solution.arrays["coordinate"][:, solution.compiled.coordinate(x)]
         return {"angle" if x.kind == "angle" else "length": values, "rate": solution._coordinate_rate(x)}
+    if isinstance(part, Backlash):
+        terms = list(zip((x.coordinate for x in part.record().measures), part.record().series[0], strict=True))
+        rate = sum(weight * solution._coordinate_rate(x) for x, weight in terms)
+        return {"angle": solution.measure(part.play), "rate": rate}
     if isinstance(part, SpringDamper | ForceCurve | LinearActuator):
         (p_a, v_a), (p_b, v_b) = (
             solution._point_motion(body, at) for body, at in ((part.a, part.at_a), (part.b, part.at_b))

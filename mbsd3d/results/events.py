@@ -1,18 +1,19 @@
-"""Events of a run: what switched when, the impulses of it, and the energy that it took."""
+"""Events of a run: which parts switched when, with the impulses and the energy lost."""
 
 from dataclasses import dataclass, field
 
+from ..base.style import Told
 from ..constraints.engagement import Impulse
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Event:
+class Event(Told):
     """A change of what holds at a time t [s]; of an impact also energy [J] and impulses.
 
-    ``lost`` [J] is the energy that the impact took, ``work`` [J] what drivers gave in it, ``impulses`` those of the
-    parts on their bodies b, by name. ``rest`` [s] is when bounces would have ended that grew too low to be seen, by
-    the measured ratio of the times between them; the motion is at rest from t on. The samples of the run have the time
-    twice, before and after it.
+    ``lost`` [J] is the energy lost in the impact, ``work`` [J] the work of drivers in it, ``impulses`` are those of the
+    parts on their bodies b, by name. ``rest`` [s] is the time at which bounces too low to be resolved would have ended,
+    from the measured ratio of the times between them; the motion is at rest from t on. The samples of the run have the
+    time twice, before and after it.
     """
 
     t: float

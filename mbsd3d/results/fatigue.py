@@ -1,4 +1,4 @@
-"""Fatigue: cycles of a history by rainflow counting, lives by a curve of amplitude over cycles, damage by Miner's sum.
+"""Fatigue: cycles of a history by rainflow counting, lives from an S-N curve, damage by Miner's rule.
 
 Three neighbouring turning points p, q, r with |r - q| >= |q - p| close a cycle q - p, which counts one and is taken
 out, or one half where p is the first point that is left; what remains at the end counts one half each (ASTM E1049-85,
@@ -36,7 +36,7 @@ class Cycles:
         return Cycles(self.range[chosen], self.mean[chosen], self.count[chosen])
 
     def by_range(self) -> dict[float, float]:
-        """Return range -> how many there are, from the smallest range on."""
+        """Return range -> number of cycles, from the smallest range on."""
         ranges, place = np.unique(self.range, return_inverse=True)
         return {float(x): float(self.count[place == k].sum()) for k, x in enumerate(ranges)}
 
@@ -58,7 +58,7 @@ def turning_points(history: np.ndarray) -> np.ndarray:
 def rainflow(history: ArrayLike) -> Cycles:
     """Return the cycles of a history (samples,) by rainflow counting, half cycles kept.
 
-    What lies between two samples is not seen: a sine at 8 samples a period can miss 8 % of its range. `pin_stress`
+    A peak between two samples can be missed: a sine at 8 samples a period can miss 8 % of its range. `pin_stress`
     samples a run at its turning points.
 
     >>> from mbsd3d import rainflow
@@ -85,7 +85,7 @@ def rainflow(history: ArrayLike) -> Cycles:
 class SNCurve(Checked):
     """Cycles to failure over the amplitude of stress (Woehler): ``N = cycles (amplitude / s)^-slope`` under s.
 
-    The numbers are those of the material, notch, surface and probability that you design for.
+    The numbers hold for the material, notch, surface and probability that you design for.
 
     Parameters
     ----------
@@ -141,8 +141,8 @@ def miner(cycles: Cycles, life: Life, *, strength: float | None = None) -> float
     """Return the damage of counted cycles, ``sum count / N(amplitude)``: 1 is failure.
 
     ``life``: an `SNCurve`, or a function of amplitudes [Pa] that returns cycles, as from a table of your own.
-    ``strength``: the ultimate one [Pa], by which mean stresses count (Goodman); None = they do not count. ValueError
-    for a mean stress that reaches the strength, and for lives that are not positive.
+    ``strength``: the ultimate strength [Pa], which corrects for mean stresses (Goodman); None = no correction.
+    ValueError for a mean stress that reaches the strength, and for lives that are not positive.
 
     >>> from mbsd3d import SNCurve, miner, rainflow
     >>> cycles = rainflow([0, 300e6, 0, 300e6, 0])

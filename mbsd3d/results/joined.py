@@ -10,7 +10,7 @@ from .record import Record
 from .result import RunResult
 
 ADDED = ("steps", "rejected", "evaluations", "svd_calls", "seconds", "loop_seconds", "jump")  # over the pieces
-GREATEST = ("speed", "missed", "farthest")
+GREATEST = ("speed", "missed", "farthest", "overlap")
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,14 +65,14 @@ def in_pieces(whole: RunResult, pieces: list[RunResult], counts: list[int]) -> R
 def joined_record(pieces: list[RunResult]) -> Record:
     """Return the record of a whole run: sums and extremes over its pieces."""
     records = [piece.record for piece in pieces]
-    farthest, missed, jump = (max(records, key=attrgetter(name)) for name in ("farthest", "missed", "jump"))
+    most = {name: max(records, key=attrgetter(name)) for name in ("farthest", "missed", "jump", "overlap")}
     sums = {name: sum(getattr(x, name) for x in records) for name in ADDED}
     miscounts = [x.miscount for x in records if x.miscount is not None]
     return replace(
         records[0], **sums, **{name: max(getattr(x, name) for x in records) for name in GREATEST},
         rank_events=[event for x in records for event in x.rank_events], nearest=min(x.nearest for x in records),
         open_audit=tuple(np.sum([x.open_audit for x in records], axis=0).tolist()),
-        miscount=max(miscounts, default=None), missed_by=missed.missed_by, farthest_by=farthest.farthest_by,
-        jump_by=jump.jump_by,
+        miscount=max(miscounts, default=None),
+        **{f"{name}_by": getattr(record, f"{name}_by") for name, record in most.items()},
         stopped_by=records[-1].stopped_by, never_armed=records[-1].never_armed,
     )  # fmt: skip

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import vector
-from ..base.rotations import matrix
+from ..base.rotations import by_letter, matrix
+from ..base.wording import counted
 from ..equations.compiled import Compiled
 from ..mechanism.bodies import Body, Ground
 from ..mechanism.mechanism import Mechanism
@@ -24,7 +25,7 @@ class Motion:
     arrays: dict[str, np.ndarray]
 
     def __repr__(self) -> str:
-        return f"<motion: {self.t.size} samples, {self.t[0]:g} ... {self.t[-1]:g} s>"
+        return f"<motion: {counted(self.t.size, 'sample')}, {self.t[0]:g} ... {self.t[-1]:g} s>"
 
     @property
     def t(self) -> np.ndarray:
@@ -60,8 +61,9 @@ class Motion:
         """Return the world position of a point given in body axes from the reference point [m]."""
         return self.position(body) + self.rotation(body) @ vector(local, "point: local")
 
-    def body_axis(self, body: Body | Ground | str, axis: ArrayLike) -> np.ndarray:
+    def body_axis(self, body: Body | Ground | str, axis: str | ArrayLike) -> np.ndarray:
         """Return the world direction (samples, 3) of an axis fixed in a body or GROUND, given at the reference pose."""
+        axis = by_letter(axis, "body_axis: axis")
         if isinstance(body, Ground):
             return np.broadcast_to(vector(axis, "body_axis: axis"), (self.t.size, 3))
         return self.rotation(body) @ self.system.part(body).local_axis(axis)

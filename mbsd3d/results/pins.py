@@ -1,4 +1,4 @@
-"""Stresses of a pin that holds a link in a fork or on a cheek, by the force that a joint takes across its axis.
+"""Stresses of a pin that holds a link in a fork or on a cheek, from the reaction of a joint across its axis.
 
 Double shear, cheeks of width a on both sides of a link of width b, gaps g, the pressure of each even over its width:
 
@@ -71,7 +71,7 @@ class Pin(Checked):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PinLife:
-    """Damage of the fibres of a pin by a run, and how often the worst one stands it."""
+    """Damage of the fibres of a pin in one run, and the number of runs that the worst fibre survives."""
 
     damage: np.ndarray  # (36,) Miner's sums of the fibres in one run
     angles: np.ndarray  # (36,) [rad] of the fibres
@@ -91,7 +91,7 @@ class PinLife:
 
     @property
     def hours(self) -> float:
-        """Return the same as a time [h]."""
+        """Return the life until the worst fibre fails [h]."""
         return self.runs * self.duration / 3600.0
 
     def __repr__(self) -> str:
@@ -105,8 +105,8 @@ class PinLife:
 class PinStress(Sampled):
     """Stresses of a pin at the samples, in the axes of the part that holds it.
 
-    They follow from the force across the axis alone: a tilting moment, whose greatest value `tilting` says, is taken to
-    be carried by faces or a second eye.
+    They follow from the force across the axis alone: a tilting moment, whose greatest value `tilting` gives, is assumed
+    to be carried by faces or a second eye.
     """
 
     t: np.ndarray  # (samples,) [s]

@@ -1,11 +1,11 @@
 """Reactions: what the constraints determine of them, and least-norm shares of the rest.
 
 With N the left null space of J (scaled), the multipliers are lam + N a for any a, so the wrench W lam of a joint is
-known but for the span of W N. With U an orthonormal basis of the three rows of W N that are the force, the force is
+known up to the span of W N. With U an orthonormal basis of the three rows of W N that are the force, the force is
 determined along every direction d with U'd = 0: D = 1 - U U' projects onto these, and D F is the part of it that is
-known. The moment likewise. The share of least norm of what is open is that of lam - N N' lam, which depends on the
-unit of length. Of parts as built, N is that of the rows as the run saw them: what fits within the tolerance repeats
-other rows.
+known. The same holds for the moment. The share of least norm of what is open is that of lam - N N' lam, which depends
+on the unit of length. Of parts as built, N is that of the rows as the run saw them: what fits within the tolerance
+repeats other rows.
 """
 
 from dataclasses import dataclass, field
@@ -43,13 +43,14 @@ SAMPLED = ("force", "moment", "point", "force_projector", "moment_projector")  #
 class Reaction(Sampled):
     """Wrench on body b at the joint's point: force [N], moment [N m] and, in world axes, point [m], (samples, 3).
 
-    Components are along world axes, unless `Solution.reaction` was asked for others.
-    ``unique`` is True where the constraints determine all of it, ``unique_force`` and ``unique_moment`` (3,) say so of
-    each component. A mechanism whose plane is not aligned with the axes mixes the determined and the open directions in
-    every component: ``force_projector`` and ``moment_projector`` (samples, 3, 3) are ``D = 1 - U U'`` onto the
-    determined directions, U the open ones, and `determined_force` and `determined_moment` are what is certain.
+    Components are along world axes, unless `Solution.reaction` was asked for others. ``unique`` is True if the
+    constraints determine all of it; ``unique_force`` and ``unique_moment`` (3,) state this for each component. A
+    mechanism whose plane is not aligned with the axes mixes the determined and the open directions in every component:
+    ``force_projector`` and ``moment_projector`` (samples, 3, 3) are ``D = 1 - U U'`` onto the determined directions, U
+    the open ones, and `determined_force` and `determined_moment` are the determined parts.
 
-    At a singular pose less is determined than beside it: the projectors say so, the masks are those of all other poses.
+    At a singular pose less is determined than beside it: the projectors show this, while the masks hold for all other
+    poses.
 
     ``margins``: with ``shares="range"`` the pair (`force_margin`, `moment_margin`), else None.
     """
@@ -66,12 +67,12 @@ class Reaction(Sampled):
 
     @property
     def force_margin(self) -> np.ndarray:
-        """Return by how much tolerances of assembly move each component of the force up or down (samples, 3) [N]."""
+        """Return how far assembly tolerances may raise or lower each component of the force (samples, 3) [N]."""
         return self._margins()[0]
 
     @property
     def moment_margin(self) -> np.ndarray:
-        """Return by how much tolerances of assembly move each component of the moment (samples, 3) [N m]."""
+        """Return how far assembly tolerances may raise or lower each component of the moment (samples, 3) [N m]."""
         return self._margins()[1]
 
     def _margins(self) -> tuple[np.ndarray, np.ndarray]:
@@ -140,8 +141,10 @@ class Determined(NamedTuple):
 
         ``axes`` (samples, 3, 3): directions in rows along which its components are; None = world axes.
         """
-        masks = self.along(np.eye(3) if axes is None else axes)
         D = (self.force[some], self.moment[some])
+        if not self.tolerance and axes is None:
+            return Reaction(force, moment, point, True, np.ones(3, bool), np.ones(3, bool), *D)
+        masks = self.along(np.eye(3) if axes is None else axes)
         if axes is not None:
             turn = axes[some]
             force, moment = (np.einsum("tij,tj->ti", turn, x) for x in (force, moment))
@@ -150,7 +153,7 @@ class Determined(NamedTuple):
 
 
 def all_determined(samples: int) -> Determined:
-    """Return that nothing is open at any sample."""
+    """Return the record of a wrench that is fully determined at every sample."""
     one = np.broadcast_to(np.eye(3), (samples, 3, 3))
     return Determined(one, one, np.ones(samples, bool), 0.0)
 
@@ -199,7 +202,7 @@ def open_shares(rows: BlockRows, tolerance: float) -> list[Open]:
 
 
 def tolerance_of(found: list[Open]) -> float:
-    """Return below what a component of W N is none."""
+    """Return the size below which a component of W N counts as zero."""
     return max(OPEN_TOLERANCE, 10.0 * max((island.slip for island in found), default=0.0))
 
 

@@ -1,5 +1,6 @@
-"""Options and record of a run: what was asked for, and statistics of what was done, which the certificate judges."""
+"""Options of a run, and the record of its statistics, which the certificate judges."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -94,6 +95,8 @@ class Record(HasOptions):
     farthest_by: str = ""  # that body
     jump: float = 0.0  # what velocities change in fixed steps in which bodies touch, over the greatest, added up
     jump_by: str = ""  # the contact or stop of the most
+    overlap: float = 0.0  # the deepest of a sphere in a sphere or a round bar, over the sum of their radii
+    overlap_by: str = ""  # that contact
     stopped_by: str | None = None
     never_armed: str | None = None  # the condition to stop that has not been false since the start
     inputs: History = field(default_factory=dict)
@@ -113,13 +116,15 @@ class Record(HasOptions):
         """Return whether nothing is integrated: the poses follow from the drivers."""
         return self.method.order == 0
 
-    def note_extremes(self, now: np.record, system: Mechanism) -> None:
+    def note_extremes(self, now: Mapping[str, Any] | np.record, system: Mechanism) -> None:
         """Take over how far bodies turned, how well orientations follow from rates, and what contacts changed."""
-        bodies = [body.name for body in system.bodies]
+        bodies = system.bodies
         self.miscount, self.missed, self.farthest = (float(now[x]) for x in ("miscount", "missed", "farthest"))
-        self.missed_by, self.farthest_by = bodies[int(now["missed_by"])], bodies[int(now["farthest_by"])]
+        self.missed_by, self.farthest_by = bodies[int(now["missed_by"])].name, bodies[int(now["farthest_by"])].name
         if now["jump"] > 0.0:
             self.jump, self.jump_by = float(now["jump"]), system.name(system.forces[int(now["jump_by"])])
+        if now["overlap"] > 0.0:
+            self.overlap, self.overlap_by = float(now["overlap"]), system.name(system.forces[int(now["overlap_by"])])
 
 
 MOST_NUMBERS = 2**30  # that the samples of a run may hold: 8 GB

@@ -1,5 +1,6 @@
 """The result of a run: every quantity by part, in world axes and SI units."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -11,18 +12,20 @@ from ..base.checks import short_repr
 from ..base.errors import InputError
 from ..base.rotations import crosses
 from ..base.style import Sampled
-from ..dynamics.batch import at_body_point, joint_wrenches
+from ..base.wording import with_article
+from ..dynamics.batch import at_body_point, joint_reactions, joint_wrenches
 from ..equations.compiled import Compiled, compile_system, new_data, tables_of
-from ..kernels.coordinates import coordinate_rate, measure, remember
+from ..kernels.coordinates import coordinate_rate, remember
 from ..kernels.kinematics import kinematics, world_velocities
 from ..kernels.layout import Data
+from ..kernels.measures import measure
 from ..kernels.rows import rows
 from ..mechanism.bodies import Body, Ground
 from ..mechanism.drivers import Driver
 from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint, coordinate_of
 from ..mechanism.measures import Measure, check_members
-from ..mechanism.primitives import Coordinate
+from ..mechanism.primitives import Coordinate, TurnRate
 from ..mechanism.state import State
 from .elastic_shares import Elasticity, PairsOfJoints, elastic_shares
 from .events import Event
@@ -77,7 +80,7 @@ class Drift(Sampled):
 
 
 class AboutCentre(NamedTuple):
-    """The motion of the whole: that of its centre of mass, and what goes on about it."""
+    """Motion of the whole system: of its centre of mass, and about it."""
 
     place: np.ndarray  # (samples, 3) m, of the centre of mass
     velocity: np.ndarray  # (samples, 3) m/s, of the centre of mass
@@ -122,11 +125,12 @@ class RunResult(Motion):
         arrays["v"] = world_velocities_of(states, n)
         arrays["z"] = states[:, 13 * n :]
         arrays["acceleration"] = arrays["acceleration"].reshape(-1, n, 6)
-        at_end = len(states) > 0 and np.array_equal(states[-1], y)
+        at_end = len(states) > 0 and states[-1].tobytes() == y.tobytes()
         v = arrays["v"][-1] if at_end else world_velocities_of(y[None], n)[0]
         own = y[13 * n : 13 * n + compiled.model.z_work]
         coordinates = data.coordinate["value"][: compiled.own_coordinates].copy()
-        end = State(t, unit_quaternions(y[: 7 * n]), v.ravel(), own, coordinates, modes=dict(compiled.modes))
+        made = State.of_numbers if math.isfinite(y.sum()) else State
+        end = made(t, unit_quaternions(y[: 7 * n]), v.flatten(), own.copy(), coordinates, modes=dict(compiled.modes))
         return cls(compiled, arrays, record, start, end)
 
     def velocity(self, body: Body | str) -> np.ndarray:
@@ -172,14 +176,20 @@ class RunResult(Motion):
     def _coordinate_rate(self, x: Coordinate) -> np.ndarray:
         """Return (samples,) rate of a hinge coordinate [rad/s or m/s]."""
         if x.kind not in ("angle", "slide"):
-            return self.measure(Measure("coordinate rate", f"rate of a {x.kind}", "m/s", x.a, x.b, coordinate=x))
+            return self.measure(
+                Measure("coordinate rate", f"rate of {with_article(x.kind)}", "m/s", x.a, x.b, coordinate=x)
+            )
         axis = self.body_axis(x.a, x.axis)
-        w_a, w_b = (np.zeros((self.t.size, 3)) if isinstance(body, Ground) else self.omega(body) for body in (x.a, x.b))
+        w_a, w_b = self._turning(x.a), self._turning(x.b)
         if x.kind == "angle":
             return np.einsum("ti,ti->t", axis, w_b - w_a)
         p_b, v_b = self._point_motion(x.b, x.point_b)
         v_a_there = 0.0 if isinstance(x.a, Ground) else self.velocity(x.a) + crosses(w_a, p_b - self.position(x.a))
         return np.einsum("ti,ti->t", axis, v_b - v_a_there)
+
+    def _turning(self, body: Body | Ground) -> np.ndarray:
+        """Return (samples, 3) angular velocity of a body, or of the ground."""
+        return np.zeros((self.t.size, 3)) if isinstance(body, Ground) else self.omega(body)
 
     def _point_motion(self, body: Body | Ground, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return world position and velocity of a body point given at the reference pose."""
@@ -196,7 +206,7 @@ class RunResult(Motion):
         """Return the values (samples,) of one of `mbsd3d.measures`, (samples, k) of k of them.
 
         Angles of hinges are those of the run. Other angles, e.g. headings, are followed from sample to sample: between
-        two of them the mean of both rates must tell the turn to within half a turn.
+        two of them the mean of both rates must predict the rotation to within half a turn.
         """
         wanted = tuple(measures) if isinstance(measures, list | tuple) else (measures,)
         for one in wanted:
@@ -209,7 +219,7 @@ class RunResult(Motion):
                 raise InputError(f"solution.measure: {one.label} {NOT_DETERMINED}")
         if self.pieces and any(one.joint is not None for one in wanted):
             return np.concatenate([piece.measure(measures) for piece in self.pieces])
-        model = compile_system(self.system, wanted, modes=self.compiled.modes).model
+        model = compile_system(self.system, tuple(one.plain() for one in wanted), modes=self.compiled.modes).model
         data, known = new_data(model), len(tables_of(self.system).coordinate_index)
         values = np.empty((self.t.size, len(wanted)))
         for k, t in enumerate(self.t):
@@ -225,6 +235,9 @@ class RunResult(Motion):
                 data.row["lam"] = self.arrays["lam"][k]
             values[k] = [measure(model, data, i, t) for i in range(len(wanted))]
             remember(model, data, t)
+        for i, one in enumerate(wanted):
+            if one.plain() is not one:
+                values[:, i] = one.factor * values[:, i] + one.offset
         return values[:, 0] if isinstance(measures, Measure) else values
 
     def state_of(self, force: ForceElement | str) -> np.ndarray:
@@ -264,7 +277,7 @@ class RunResult(Motion):
 
     @cached_property
     def _all_determined(self) -> Determined:
-        """Return that nothing of a wrench is open at any sample."""
+        """Return the record of a wrench that is fully determined at every sample."""
         return all_determined(self.t.size)
 
     def _determined(self, parts: list[Joint]) -> Determined:
@@ -284,25 +297,25 @@ class RunResult(Motion):
         """Force [N] and moment [N m] of a joint on its body b at the joint's point.
 
         Components are along the axes of the world, or with ``axes="a"`` and ``"b"`` along the body axes of a or b, with
-        ``"joint"`` along those of the joint: z its axis or normal, fixed in a, x and y across it.
-        With several joints of one body b: their net wrench at the first one's point. ``unique`` says whether the
-        constraints determine all of it, ``unique_force`` and ``unique_moment`` which components, ``determined_force``
-        and ``determined_moment`` are the part they determine, in any direction; indeterminate shares are the ones of
-        least norm, which depends on the length unit, or what ``shares`` says.
+        ``"joint"`` along those of the joint: z its axis or normal, fixed in a, x and y across it. With several joints
+        of one body b: their net wrench at the first one's point. ``unique`` says whether the constraints determine all
+        of it, ``unique_force`` and ``unique_moment`` which components, ``determined_force`` and ``determined_moment``
+        are the part they determine, in any direction; indeterminate shares are those of least norm, which depends on
+        the unit of length, or as ``shares`` selects.
 
         Parameters
         ----------
         shares : "least norm", "elastic" or "range"
-            How redundant joints share what is not determined. "elastic": as stiff joints do, with the least energy
-            ``sum lam_i^2 / (2 stiffness_i)`` over their rows. "range": "elastic", and in ``force_margin`` and
+            How redundant joints share the loads that are not determined. "elastic": as stiff joints do, with the least
+            energy ``sum lam_i^2 / (2 stiffness_i)`` over their rows. "range": "elastic", and in ``force_margin`` and
             ``moment_margin`` by how much each component may lie above or below, if rows are assembled as far apart as
             ``tolerances`` allow.
         stiffness : (translational [N/m], rotational [N m/rad]) or mapping of joints to such pairs
-            Of one joint along and about the directions it holds, at its point; one pair counts for all joints, the key
-            None for all that a mapping does not name. Only joints that share loads must be given. Couplings over
-            several hinges: of their row, in its own unit.
+            Of one joint along and about the directions it holds, at its point; one pair applies to all joints, the key
+            None to all that a mapping does not name. Only joints that share loads need a value. Couplings over several
+            hinges: of their row, in its own unit.
         tolerances : (position [m], direction [rad]) or mapping of joints to such pairs
-            By how much b may be off at most, in each row of a joint; a point has rows along the world axes.
+            Largest misalignment of b in each row of a joint; a point has rows along the world axes.
 
         Raises
         ------
@@ -316,7 +329,7 @@ class RunResult(Motion):
         >>> hinges = [Revolute(GROUND, door, at=(0, 0, z), axis=(0, 0, 1), name=f"hinge {z}") for z in (-0.5, 0.5)]
         >>> hung = accelerations(System([door], hinges))
         >>> found = hung.reaction("hinge 0.5", shares="range", stiffness=(1e7, 1e3), tolerances=(1e-5, 1e-4))
-        >>> found.force.round(2), found.force_margin.round(2)  # m g / 2 and 1e7 N/m 1e-5 m lengthwise
+        >>> found.force.round(2) + 0.0, found.force_margin.round(2)  # m g / 2 and 1e7 N/m 1e-5 m lengthwise
         (array([[-78.45,   0.  ,  98.1 ]]), array([[  0.24,   0.24, 100.  ]]))
         """
         given = Elasticity.of(self.compiled, shares, stiffness, tolerances)
@@ -339,7 +352,7 @@ class RunResult(Motion):
                 ]
             )
         turned = axes_of(self, parts[0], axes)
-        apart = np.zeros((self.t.size, 6, 0))
+        apart: np.ndarray | None = None
         wrenches: Sequence[np.ndarray] | np.ndarray
         if self._is_unique(parts):
             wrenches = self._wrenches(parts)
@@ -350,42 +363,67 @@ class RunResult(Motion):
             arm, group = parts[0].reaction_points(self) - origin, group_of(self.compiled, parts)
             lam, apart = elastic_shares(self._rows, self.arrays["lam"], group, given, arm)
             wrenches = self._wrenches_by(lam, parts)
-        force, moment, point = self._at_point(parts[0], sum(wrenches[1:], wrenches[0]))
+        net = wrenches[0] if len(parts) == 1 else sum(wrenches[1:], wrenches[0])
+        force, moment, point = self._at_point(parts[0], net)
         found = self._determined(parts).reaction(force, moment, point, slice(None), turned)
         if shares != "range":
             return found
+        apart = np.zeros((self.t.size, 6, 0)) if apart is None else apart
         moved = (x if turned is None else turned @ x for x in np.split(apart, 2, axis=1))
         of_force, of_moment = (np.abs(x).sum(axis=2) for x in moved)
         return replace(found, margins=(of_force, of_moment))
 
     def _wrenches(self, joints: Sequence[Joint]) -> list[np.ndarray]:
-        """Return force and moment about O of their bodies b of joints, (samples, 6) each, by the run's multipliers.
-
-        The first call of a run of few samples computes and keeps those of all joints: rows are evaluated once.
-        """
-        every = self.system.joints
-        if 6 * len(every) * self.t.size > WRENCH_NUMBERS_MAX:
+        """Return force and moment about O of their bodies b of joints, (samples, 6) each, by the run's multipliers."""
+        if not self._keeps_reactions:
             return list(self._wrenches_by(self.arrays["lam"], joints))
-        if "wrenches" not in self.derived:
-            found = self._wrenches_by(self.arrays["lam"], every)
-            self.derived["wrenches"] = dict(zip(map(id, every), found, strict=True))
-        return [self.derived["wrenches"][id(joint)] for joint in joints]
+        return [self._every_reaction[id(joint)][0] for joint in joints]
+
+    @property
+    def _keeps_reactions(self) -> bool:
+        """Return whether the samples are so few that the reactions of all joints are computed at once and kept."""
+        return 6 * len(self.system.joints) * self.t.size <= WRENCH_NUMBERS_MAX
+
+    @cached_property
+    def _every_reaction(self) -> dict[int, tuple[np.ndarray, np.ndarray]]:
+        """Return of each joint, by id: force and moment about O of its body b (samples, 6), and `at_body_point`.
+
+        Rows are evaluated once for all joints.
+        """
+        every, model, count = self.system.joints, self.compiled.model, self.t.size
+        wrenches, out = np.empty((len(every), count, 6)), np.empty((len(every), count, 9))
+        on = self._rows_on_b(every)
+        local = self.compiled.frames.points(on[:, 2], [x.point() for x in every]) if every else np.zeros((0, 3))
+        joint_reactions(model, self.compiled.data(), *self._samples(self.arrays["lam"]), on, local, wrenches, out)
+        return {id(joint): (wrenches[i], out[i]) for i, joint in enumerate(every)}
+
+    def _samples(self, lam: np.ndarray) -> list[np.ndarray]:
+        """Return times, states, hinge coordinates and multipliers as kernels read them."""
+        given = (self.t, self.arrays["state"], self.arrays["coordinate"], lam)
+        return [np.ascontiguousarray(x) for x in given]
+
+    def _rows_on_b(self, joints: Sequence[Joint]) -> np.ndarray:
+        """Return (k, 3) first row of each joint, end of its rows, number of its body b."""
+        compiled = self.compiled
+        rows = [(compiled.rows[id(joint)], compiled.body_index[id(joint.b)]) for joint in joints]
+        return np.array([(own.start, own.stop, body) for own, body in rows], np.int64).reshape(-1, 3)
 
     def _wrenches_by(self, lam: np.ndarray, joints: Sequence[Joint]) -> np.ndarray:
         """Return force and moment about O of their bodies b of k joints (k, samples, 6), by multipliers."""
-        compiled, out = self.compiled, np.empty((len(joints), self.t.size, 6))
-        rows = [(compiled.rows[id(joint)], compiled.body_index[id(joint.b)]) for joint in joints]
-        parts = np.array([(own.start, own.stop, body) for own, body in rows], np.int64).reshape(-1, 3)
-        samples = [self.t, *(self.arrays[name] for name in ("state", "coordinate")), lam]
-        joint_wrenches(compiled.model, compiled.data(), *map(np.ascontiguousarray, samples), parts, out)
+        out = np.empty((len(joints), self.t.size, 6))
+        joint_wrenches(self.compiled.model, self.compiled.data(), *self._samples(lam), self._rows_on_b(joints), out)
         return out
 
     def _at_point(self, joint: Joint, wrench: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return force, moment about the point of a joint, and that point, from force and moment about O of body b."""
         body, states = self.compiled.body_index[id(joint.b)], np.ascontiguousarray(self.arrays["state"])
-        if type(joint).reaction_points is Joint.reaction_points:
-            out = np.empty((self.t.size, 9))
-            at_body_point(self.compiled.model, states, body, joint.b.local_point(joint.point()), wrench, out)
+        if has_own_point(joint):
+            if self._keeps_reactions and wrench is self._every_reaction[id(joint)][0]:
+                out = self._every_reaction[id(joint)][1]
+            else:
+                out = np.empty((self.t.size, 9))
+                local = self.compiled.frames.points(np.array([body]), [joint.point()])[0]
+                at_body_point(self.compiled.model, states, body, local, wrench, out)
             return out[:, :3], out[:, 3:6], out[:, 6:]
         point = joint.reaction_points(self)
         origin = np.zeros((self.t.size, 3)) if isinstance(joint.b, Ground) else self.position(joint.b)
@@ -404,10 +442,16 @@ class RunResult(Motion):
         effort = -lam[:, rows]
         return effort[:, 0] if effort.shape[1] == 1 else effort
 
+    def _reflected_rate(self, x: Coordinate | TurnRate) -> np.ndarray:
+        """Return the rate (samples,) that a reflected inertia has [rad/s or m/s]."""
+        if isinstance(x, TurnRate):
+            return np.einsum("ti,ti->t", self.body_axis(x.b, x.axis), self._turning(x.b) - self._turning(x.a))
+        return self._coordinate_rate(x)
+
     def _reflected_energy(self) -> np.ndarray:
         """Return the kinetic energy (samples,) of the reflected inertias of joints [J]."""
         held = [pair for joint in self.system.joints for pair in joint.reflected()]
-        return sum((0.5 * inertia * self._coordinate_rate(x) ** 2 for x, inertia in held), np.zeros(self.t.size))
+        return sum((0.5 * inertia * self._reflected_rate(x) ** 2 for x, inertia in held), np.zeros(self.t.size))
 
     @cached_property
     def _energy(self) -> Energy:
@@ -430,8 +474,7 @@ class RunResult(Motion):
         return np.repeat(lost[: len(counts)], counts)
 
     def energy(self) -> Energy:
-        """Return kinetic, potential (gravity, springs) and total energy, work of drivers and other forces, and what
-        impacts have taken [J]."""
+        """Return energies (kinetic, potential, total), work of drivers and other forces, and impact losses [J]."""
         return self._energy
 
     def work(self, part: Driver | ForceElement | str) -> np.ndarray:
@@ -460,7 +503,7 @@ class RunResult(Motion):
         """Return the motion about the centre of mass of the whole, the same for every observer.
 
         Summed about the middle of the bodies and relative to their mean velocity, then moved to the centre of mass: at
-        1e5 m/s the energy of the whole would leave no digits of what goes on in it.
+        1e5 m/s the energy of the whole would leave no digits for the motion within it.
         """
         mass = self.system.total_mass()
         middle, v = self.arrays["q"][..., :3].mean(axis=1), self.arrays["v"][..., :3]
@@ -508,10 +551,16 @@ class RunResult(Motion):
         return self.pieces[int(np.searchsorted(ends, sample % self.t.size, side="right"))] if self.pieces else self
 
 
+def has_own_point(joint: Joint) -> bool:
+    """Return whether the reaction of a joint is given at a point of its body b."""
+    return type(joint).reaction_points is Joint.reaction_points
+
+
 def unit_quaternions(q: np.ndarray) -> np.ndarray:
     """Return q with |e| = 1 for every body: without stabilisation the norms drift, which R(e) does not see."""
     poses = q.reshape(-1, 7).copy()
-    poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1, keepdims=True)
+    e = poses[:, 3:]
+    e /= np.sqrt((e * e).sum(axis=1, keepdims=True))
     return poses.ravel()
 
 

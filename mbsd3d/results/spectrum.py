@@ -17,10 +17,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicHermiteSpline
 
 from ..base.checks import check_choice, check_size, number, short_repr, whole
 from ..base.errors import InputError
+from ..base.style import Told
+from ..base.wording import counted
 from ..mechanism.measures import Measure
 from .columns import BODY_QUANTITIES, QUANTITIES, columns_of_effort, components
 from .element_loads import load_of
@@ -36,14 +37,14 @@ SAMPLES_MAX = 10_000_000  # [samples] of a run over orders
 
 
 class Levels(NamedTuple):
-    """Levels of r.m.s. values and what they refer to."""
+    """Levels of r.m.s. values and their reference."""
 
     values: np.ndarray  # [dB], minus infinity for none
     unit: str  # e.g. "dB re 1e-06 N"
 
 
 @dataclass(frozen=True, repr=False)
-class Spectrum:
+class Spectrum(Told):
     """Amplitudes of ``values = sum_k Re(c_k exp(i w_k t))``, or over orders; see `mbsd3d.Spectrum`."""
 
     orders: np.ndarray  # (bins,)
@@ -72,8 +73,8 @@ class Spectrum:
     def levels(self, reference: float | None = None) -> Levels:
         """Return the levels [dB] of the r.m.s. values, |c| / sqrt(2), of the mean |c|.
 
-        ``reference`` in ``unit``; None = that of ISO 1683 for accelerations, velocities and forces. ValueError for
-        other units without one.
+        ``reference`` in ``unit``; None = the reference of ISO 1683 for accelerations, velocities and forces. ValueError
+        for other units without one.
         """
         if reference is None and self.unit not in LEVEL_REFERENCES:
             raise InputError(f"levels: no usual reference for a quantity in {self.unit or 'no unit'}; give reference=")
@@ -86,7 +87,7 @@ class Spectrum:
             return Levels(20.0 * np.log10(size / given), f"dB re {given:g} {self.unit}".rstrip())
 
     def __repr__(self) -> str:
-        """Return what it is of and where its largest amplitudes are."""
+        """Return the quantity and where its largest amplitudes are."""
         size = np.abs(self.amplitudes).reshape(self.orders.size, -1).max(axis=1)
         first = [k for k in np.argsort(-size).tolist() if size[k] > 1e-9 * size.max()][:4]
         text = ", ".join(f"{size[k]:.6g} at {self.orders[k]:g}" for k in sorted(first))
@@ -95,7 +96,7 @@ class Spectrum:
 
 
 @dataclass(frozen=True, repr=False)
-class Density:
+class Density(Told):
     """One-sided power spectral density; see `mbsd3d.Density`."""
 
     hertz: np.ndarray
@@ -105,12 +106,12 @@ class Density:
     names: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        """Return what it is of."""
+        """Return a line that names the quantity."""
         return f"<density of {self.name} [{self.unit}]: {self.hertz.size} bins to {self.hertz[-1]:g} Hz>"
 
 
 @dataclass(frozen=True, repr=False)
-class Waterfall:
+class Waterfall(Told):
     """Amplitudes over orders and the speed of a shaft; see `mbsd3d.Waterfall`."""
 
     t: np.ndarray  # (n,) [s]
@@ -138,7 +139,7 @@ class Waterfall:
         return self.amplitudes[:, k]
 
     def __repr__(self) -> str:
-        """Return what it is of, and over which speeds and orders."""
+        """Return the quantity, and the ranges of speeds and orders."""
         first, last = self.speeds[[0, -1]]
         return (
             f"<waterfall of {self.name} [{self.unit}]: {self.t.size} windows from {first:g} to {last:g} rad/s, "
@@ -168,7 +169,7 @@ def amplitudes(t: ArrayLike, values: ArrayLike, rate: float | None, window: str,
 
 
 def real_numbers(values: ArrayLike, what: str) -> np.ndarray:
-    """Return an array of floats, or raise an error for what is no array of real numbers."""
+    """Return an array of floats, or raise an error for what is not an array of real numbers."""
     try:
         array = np.asarray(values)
     except ValueError:
@@ -236,7 +237,7 @@ def samples_of(solution: RunResult, quantity: str | Measure, part: Any, what: st
     """Return a measure, or a quantity of one part by its name in tables."""
     if isinstance(quantity, Measure):
         if part is not None:
-            raise InputError(f"{what}: a measure says itself what it is of; leave {short_repr(part)} out")
+            raise InputError(f"{what}: a measure already names its part; leave {short_repr(part)} out")
         return Samples(solution.measure(quantity), quantity.label, quantity.unit, ())
     readers: dict[str, Callable[[], np.ndarray]] = {
         "angle": lambda: solution.angle(part), "slide": lambda: solution.slide(part),
@@ -276,7 +277,9 @@ def later_samples(solution: RunResult, found: Samples, after: float | None, what
     """Return times and samples from a time on [s]; None = all."""
     first = 0 if after is None else int(np.searchsorted(solution.t, number(after, f"{what}: after") - 1e-12))
     if solution.t.size - first < 3:
-        raise InputError(f"{what}: {solution.t.size - first} samples are left; give a longer run, or an earlier after=")
+        raise InputError(
+            f"{what}: {counted(solution.t.size - first, 'sample')} left; give a longer run, or an earlier after="
+        )
     return solution.t[first:], found._replace(values=found.values[first:])
 
 
@@ -326,6 +329,8 @@ def whole_turns(solution: RunResult, hinge: Any, per_turn: int, after: float | N
             f"orders: {count} turns of {per_turn} samples are too many; give a smaller per_turn, or after="
         )
     targets = angle[0] + 2.0 * np.pi / per_turn * np.arange(count * per_turn + 1)
+    from scipy.interpolate import CubicHermiteSpline  # a tenth of a second, for orders alone
+
     return Turns(targets, np.clip(CubicHermiteSpline(angle, t, 1.0 / rate)(targets), t[0], t[-1]), count)
 
 
@@ -378,11 +383,11 @@ def waterfall_of(
     found = samples_of(run, *wanted, "waterfall")
     length = turns * per_turn
     starts = np.arange(0, targets.size - length, max(1, length // 2))
+    rate, low, high = turning(run, hinge)[2], starts + length // 2, starts + (length + 1) // 2  # middle by angle
     seen = [
         amplitudes(targets[k : k + length], found.values[k : k + length], 1.0, "hann", one_unit=True) for k in starts
     ]
-    span = times[starts + length] - times[starts]
     return Waterfall(
-        t=times[starts] + 0.5 * span, speeds=2.0 * np.pi * turns / span, orders=seen[0].orders,
+        t=0.5 * (times[low] + times[high]), speeds=0.5 * (rate[low] + rate[high]), orders=seen[0].orders,
         amplitudes=np.array([x.amplitudes for x in seen]), name=found.name, unit=found.unit, names=found.names,
     )  # fmt: skip

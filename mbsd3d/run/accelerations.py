@@ -14,8 +14,7 @@ from ..solver.saddle_point import SOLVED
 
 
 class Rates:
-    """What `accelerations` gives of bodies and internal states, at a twentieth of its cost, for states near the first
-    one.
+    """Accelerations and rates of internal states for nearby states, at a twentieth of the cost of `accelerations`.
 
     The state is taken as it is: it must meet the joints, and their rows must stay as independent as there. Inputs keep
     the value they start with until they are set.
@@ -28,13 +27,13 @@ class Rates:
         self.tree = build_spanning_tree(self.compiled.model, self.data, None)
 
     def set(self, name: str, value: float) -> None:
-        """Give the inputs of a name a value, for all states from now on."""
+        """Set the inputs of a given name, for all later states."""
         set_input(self.compiled, name, value)
 
     def __call__(self, state: State) -> tuple[np.ndarray, np.ndarray]:
         """Return accelerations (n, 6) of reference points and angles, world axes, and rates (k,) of z.
 
-        AssemblyError where the equations have no solution.
+        Raises an AssemblyError if the equations have no solution.
         """
         model, n = self.compiled.model, self.compiled.model.body.size
         y = load_state(self.compiled, self.data, state)

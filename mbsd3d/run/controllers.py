@@ -1,15 +1,17 @@
-"""Controllers in FMUs, coupled to a run in segments: sampled, their outputs held from sample to sample.
+"""Controllers in FMUs, coupled to a run in segments: sampled, their outputs held or extrapolated from sample to sample.
 
 At a sample t_k the FMU gets what it reads at t_k, its outputs of t_k become inputs of the mechanism, and both go on to
-t_k + H: parallel (Jacobi), values held, so that the coupling errs in proportion to H. Held forces do other work than
-forces that follow the motion: the energy that passes is measured, beside power at the samples times H.
+t_k + H: parallel (Jacobi). Values that hold err in proportion to H, values that go on with the slope of the last two
+in proportion to H^2. Such forces do other work than forces that follow the motion: their jumps at samples say how much.
 """
 
 import shutil
 import tempfile
 import weakref
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
+from copy import copy
+from ctypes import c_void_p
 from dataclasses import KW_ONLY, dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
@@ -17,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.checks import number, short_repr
+from ..base.checks import check_choice, number, short_repr
 from ..base.errors import ChecksArguments, InputError, IntegrationError, similar
 from ..base.paths import as_path
 from ..dynamics.applied_forces import loads
@@ -33,25 +35,30 @@ SAME_TIME = 1e-9  # [1] of the time between two samples: by what sums of times m
 class FmuController(metaclass=ChecksArguments):
     """A controller in an FMU (co-simulation, FMI 2.0 or 3.0), for `Stepper`; it needs the extra ``fmu``.
 
-    At each sample it reads measures and sets inputs, which hold until the next sample: order 1 in ``every``.
+    At each sample it reads measures and sets inputs, which hold until the next sample (order 1 in ``every``), or go on
+    with the slope of the last two (order 2).
 
     Parameters
     ----------
     path : str or Path
-        The FMU. It runs in this process, with all that it contains: take it from whom you trust.
+        The FMU. Its code runs in this process: use only files from sources you trust.
     reads : mapping of a name to a measure
-        Inputs of the FMU, in SI units, and what of the mechanism they get.
+        Inputs of the FMU, in SI units, and the measures that set them.
     sets : mapping of a name to an Input or its name
         Outputs of the FMU, and the inputs of the mechanism that they set.
     every : float
         Time between two samples [s].
     parameters : mapping of a name to a number
-        Values that the FMU starts with.
+        Initial values of the FMU.
+    coupling : "held" or "extrapolated"
+        "held" is what a sampled controller does. "extrapolated" is for a continuous model in an FMU, as a spring, a
+        motor or another mechanism: inputs of this mechanism go on with the slope of the last two samples; those of the
+        FMU, which has no slopes, get for each step the value that the last two give for its middle.
 
     Raises
     ------
     ValueError
-        For a file that is not there, values of the wrong kind; when a `Stepper` is made, for names that the FMU or the
+        For a missing file or values of the wrong kind; when a `Stepper` is made, for names that the FMU or the
         mechanism does not have, units that are not base units, an FMU that cannot be loaded.
 
     Examples
@@ -69,6 +76,7 @@ class FmuController(metaclass=ChecksArguments):
     sets: Mapping[str, Input | str]
     every: float
     parameters: Mapping[str, float] = field(default_factory=dict)
+    coupling: str = "held"
 
     def __post_init__(self) -> None:
         path = as_path(self.path, "pid.fmu")
@@ -90,6 +98,7 @@ class FmuController(metaclass=ChecksArguments):
         if not self.sets:
             raise InputError("FmuController: sets is empty; give an output of the FMU, and the Input that it sets")
         number(self.every, "FmuController: every", positive=True)
+        check_choice(self.coupling, ("held", "extrapolated"), "FmuController: coupling")
 
     @property
     def name(self) -> str:
@@ -103,7 +112,7 @@ class FmuController(metaclass=ChecksArguments):
 
 
 class Instance:
-    """An FMU that runs: variables by name, values in and out, one step after the other."""
+    """A running FMU: variables by name, inputs and outputs, step by step."""
 
     def __init__(self, controller: FmuController, t: float) -> None:
         if find_spec("fmpy") is None:
@@ -131,6 +140,7 @@ class Instance:
             ) from error
         weakref.finalize(self, ended, self.fmu, folder)
         self.old = description.fmiVersion.startswith("2")
+        self.goes_back = bool(description.coSimulation.canGetAndSetFMUstate)
         self.places = {x.name: x for x in description.modelVariables}
         self.check_names(controller.reads, "input", description)
         self.check_names(controller.sets, "output", description)
@@ -143,7 +153,7 @@ class Instance:
         return f" ({self.heard[-1].strip()})" if self.heard[-1] else ""
 
     def check(self, description: Any) -> None:
-        """Refuse other kinds of FMUs."""
+        """Reject other kinds of FMUs."""
         if description.coSimulation is None or not description.fmiVersion.startswith(("2", "3")):
             raise InputError(f"{self.what} is no FMU for co-simulation by FMI 2.0 or 3.0; export it as one")
 
@@ -189,6 +199,18 @@ class Instance:
         """Integrate the FMU over a time."""
         self.fmu.doStep(currentCommunicationPoint=t, communicationStepSize=length)
 
+    def state(self, t: float) -> Any:
+        """Return the state of the FMU at time t [s]; the FMU frees it when it is no longer referenced."""
+        if not self.goes_back:
+            raise InputError(
+                f"{self.what} does not offer its state (canGetAndSetFMUState), so no snapshot can go back to it; "
+                "export it with its state, or take snapshots of a run without it"
+            )
+        with self.telling(t):
+            kept = self.fmu.getFMUState()
+        weakref.finalize(kept, forgotten, self, kept.value)  # before the instance, which it keeps alive
+        return kept
+
     def telling(self, t: float) -> "Telling":
         """Return a context in which errors of the FMU name it, with the last sentence of its log."""
         return Telling(self, t)
@@ -211,6 +233,12 @@ class Telling:
             ) from error  # fmt: skip
 
 
+def forgotten(instance: Instance, address: int) -> None:
+    """Free a stored state of an FMU."""
+    with suppress(Exception):
+        instance.fmu.freeFMUState(c_void_p(address))
+
+
 def ended(fmu: Any, folder: str) -> None:
     """End an FMU and remove its files."""
     with suppress(Exception):
@@ -220,8 +248,57 @@ def ended(fmu: Any, folder: str) -> None:
     shutil.rmtree(folder, ignore_errors=True)
 
 
+class Ports:
+    """Inputs of a run that another program sets from time to time, and the work of the forces that read them.
+
+    Where forces with the old inputs have the power P at a change, and P' with the new ones, inputs that had gone
+    straight to their new values over the time H since the last change would have given (P - P') H / 2 less: so much
+    energy the coupling may have created. Extrapolated inputs leave their course as s (s + H) does at s = H: 5/12.
+    """
+
+    def __init__(self, run: Segments, names: Collection[str], extrapolated: bool = False) -> None:
+        self.run, self.extrapolated = run, extrapolated
+        self.forces = [k for k, force in enumerate(run.compiled.system.forces) if reads_any(force, names)]
+        self.share = 5.0 / 12.0 if extrapolated else 0.5
+        self.values: dict[str, float] = {}
+        self.before = (run.t, self.values)  # the change before this one
+        self.now, self.power = run.t, 0.0  # time [s] of this change, and power [W] with the values before it
+        self.settled = self.created = 0.0  # [J] until the change before this one; until now
+
+    def set(self, values: dict[str, float]) -> None:
+        """Set inputs by name; again at the same time, the last values are those that count."""
+        run = self.run
+        if run.t > self.now:
+            self.before = self.now, self.values
+            self.now, self.power, self.settled = run.t, self.read_power(), self.created
+        then, old = self.before
+        length = self.now - then
+        for name, value in values.items():
+            slope = (value - old[name]) / length if self.extrapolated and name in old and length > 0.0 else 0.0
+            run.set(name, value, slope)
+        self.values = dict(values)
+        if length > 0.0:
+            self.created = self.settled + self.share * length * (self.power - self.read_power())
+
+    def read_power(self) -> float:
+        """Return the power [W] of the forces with these inputs at the state at hand."""
+        run = self.run
+        if not self.forces:
+            return 0.0
+        kinematics(run.model, run.data, run.memory.y)
+        loads(run.model, run.data, run.t)
+        return float(run.data.force["power"][self.forces].sum())
+
+    @property
+    def work(self) -> float:
+        """Return the work [J] so far of the forces with these inputs."""
+        run = self.run
+        first = 13 * run.model.body.size + run.model.z_work
+        return float(run.memory.y[[first + k for k in self.forces]].sum())
+
+
 class Coupling:
-    """A controller at work: its FMU, the next sample, and the energy that has passed."""
+    """A running controller: its FMU, the next sample and the inputs that it sets."""
 
     def __init__(self, controller: FmuController, run: Segments, first: int) -> None:
         self.controller, self.run, self.begin = controller, run, run.t
@@ -230,16 +307,17 @@ class Coupling:
             if name not in run.inputs:
                 have = ", ".join(f"'{x}'" for x in run.inputs) or "none"
                 raise InputError(
-                    f"FmuController: '{controller.name}' sets {short_repr(name)}, which is no input of this system; "
-                    f"there are {have}"
+                    f"FmuController: '{controller.name}' sets {short_repr(name)}, which is not an input of this "
+                    f"system; there are {have}"
                 )
             if run.driving[name] is not None:
                 raise InputError(
                     f"FmuController: '{controller.name}' sets '{name}', which prescribes the motion of driver "
                     f"'{run.driving[name]}', and a jump would tear the joints apart; let it set a force, or a reference"
                 )
-        self.forces = [k for k, force in enumerate(run.compiled.system.forces) if reads_any(force, controller.inputs)]
-        self.samples, self.power, self.held = 0, 0.0, 0.0
+        self.extrapolated = controller.coupling == "extrapolated"
+        self.ports = Ports(run, controller.inputs.values(), self.extrapolated)
+        self.samples, self.read = 0, np.zeros(0)
         self.instance = Instance(controller, run.t)
 
     @property
@@ -252,44 +330,47 @@ class Coupling:
         return self.run.t >= self.due - SAME_TIME * self.controller.every
 
     def exchange(self, values: np.ndarray) -> Callable[[], None]:
-        """Give the FMU what it reads now, and let it go on; return what sets the inputs of the mechanism."""
+        """Set the inputs of the FMU, advance it by one sample and return the new inputs of the mechanism."""
         t, sets = self.run.t, self.controller.inputs
+        read, self.read = self.read, values[self.measures]
         with self.instance.telling(t):
-            self.instance.put(dict(zip(self.controller.reads, values[self.measures], strict=True)))
+            self.put(self.read)
             found = self.instance.take(list(sets))
+            if self.extrapolated and self.samples:
+                self.put(1.5 * self.read - 0.5 * read)  # in the middle of the step
             self.instance.step(self.due, self.controller.every)
         self.samples += 1
+        return lambda: self.ports.set(dict(zip(sets.values(), found, strict=True)))
 
-        def set_inputs() -> None:
-            for name, value in zip(sets.values(), found, strict=True):
-                self.run.set(name, value)
+    def put(self, values: np.ndarray) -> None:
+        """Set the inputs of the FMU."""
+        self.instance.put(dict(zip(self.controller.reads, values, strict=True)))
 
-        return set_inputs
+    def snapshot(self) -> tuple[Any, ...]:
+        """Return the state of the controller."""
+        return self.instance.state(self.run.t), copy(self.ports), self.samples, self.read
 
-    def read_power(self) -> None:
-        """Read the power [W] of the forces with these inputs at the state at hand."""
-        run = self.run
-        kinematics(run.model, run.data, run.memory.y)
-        loads(run.model, run.data, run.t)
-        self.power = float(run.data.force["power"][self.forces].sum())
+    def restore(self, kept: tuple[Any, ...]) -> None:
+        """Restore a state of the controller."""
+        state, ports, self.samples, self.read = kept
+        self.ports = copy(ports)
+        with self.instance.telling(self.run.t):
+            self.instance.fmu.setFMUState(state)
 
     def note(self) -> str:
         """Describe the coupling and the energy that has passed, for the certificate."""
-        run = self.run
-        first = 13 * run.model.body.size + run.model.z_work
-        passed = float(run.memory.y[[first + k for k in self.forces]].sum())
         name, every = self.controller.name, self.controller.every
+        how, doing = ("extrapolated (order 2)", "extrapolating") if self.extrapolated else ("held (order 1)", "holding")
         return (
-            f"controller '{name}': sampled every {every:g} s, values held (order 1); forces with its inputs gave "
-            f"{passed:.6g} J, their power at the samples times {every:g} s is {self.held:.6g} J: halve every to see "
-            "what holding does"
+            f"controller '{name}': sampled every {every:g} s, values {how}; forces with its inputs gave "
+            f"{self.ports.work:.6g} J, of which {doing} may have created {self.ports.created:.6g} J: halve every to see"
         )
 
 
-def reads_any(force: Any, inputs: Mapping[str, str]) -> bool:
+def reads_any(force: Any, names: Collection[str]) -> bool:
     """Return whether a force reads any of some inputs."""
     terms = [term for signal in force.record().signals if signal is not None for term in signal.terms()]
-    return any(term.input and term.input[0] in inputs.values() for term in terms)
+    return any(term.input and term.input[0] in names for term in terms)
 
 
 def advance_coupled(run: Segments, couplings: Sequence[Coupling], t: float) -> None:
@@ -299,12 +380,7 @@ def advance_coupled(run: Segments, couplings: Sequence[Coupling], t: float) -> N
         values = run.measured if due else np.zeros(0)
         for set_inputs in [x.exchange(values) for x in due]:  # all read before any sets
             set_inputs()
-        for x in couplings if due else ():
-            x.read_power()
-        before = run.t
         until = min(t, *(x.due for x in couplings))
         run.advance(until if until < t - SAME_TIME * min(x.controller.every for x in couplings) else t)
-        for x in couplings:
-            x.held += x.power * (run.t - before)
         if run.t >= t:
             return

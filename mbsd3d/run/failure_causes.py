@@ -15,16 +15,19 @@ from ..equations.compiled import Compiled
 from ..integrators import memory
 from ..integrators.memory import Run
 from ..kernels.layout import Data
-from ..mechanism.drivers import AngleDriver, Driver, LengthDriver, PositionDriver, SlideDriver
+from ..mechanism.drivers import AngleDriver, Driver, LengthDriver, OrientationDriver, PositionDriver, SlideDriver
 from ..mechanism.forces.by_table import ByTable
 from ..mechanism.forces.custom import FunctionForce
 from ..mechanism.forces.feedback import StateFeedback
+from ..mechanism.forces.rope import OverPulleys
 from ..mechanism.joints.curve_contact import CurveContact
 from ..mechanism.state import State
 from ..results.result import RunResult
 from .initial_checks import exception_of
 
 NOT_FINITE = "a part returns values that are not finite"
+OFF_PULLEY = "the rope comes off a pulley, where its wrap falls below 0"
+NO_TANGENT = "there is no tangent: an end or a pulley has moved into another pulley"
 CURVE_END_SHARE = 1e-6  # [1] of the length of a curve: within this distance of an end its point has reached it
 START_TIME_SHARE = 1e-4  # [1] of the time of a run: one that ends before has not left its start
 BRANCH_ADVICE = "the motion branches here; start from a nearby pose and shift the drivers with it; see system.check()"
@@ -47,7 +50,7 @@ FAILURES = {
         "Newton's method did not converge in this step", "take a smaller dt, or dt=None for adaptive steps",
     ),
 }  # fmt: skip
-UNITS = {AngleDriver: "rad", SlideDriver: "m", PositionDriver: "m", LengthDriver: "m"}
+UNITS = {AngleDriver: "rad", SlideDriver: "m", PositionDriver: "m", LengthDriver: "m", OrientationDriver: "rad"}
 SPEED_MAX = 1e5  # [1/s] of the length of the model: a rim at 1e5 rad/s, three times the fastest turbines
 SPEED_GROWTH_MAX = 100.0  # [1] of the speed at the start: planets are fast from the beginning
 STEPS_BEFORE_CHECK = 2000  # so that half of them can show a growth
@@ -118,7 +121,7 @@ def contradiction(compiled: Compiled, data: Data, y: np.ndarray, t: float, h: fl
 
 
 class Blamed(NamedTuple):
-    """The part whose numbers are not finite, and what of it is not."""
+    """Part with values that are not finite, and the name of these values."""
 
     part: str
     what: str
@@ -141,18 +144,24 @@ def find_nonfinite_part(
             rates = data.state_rate[own["state"] : own["state"] + own["states"]]
             known = data.force["power"][k], data.force["potential"][k], *rates
             if not np.isfinite(known).all():
-                return Blamed(f"force '{compiled.system.name(force)}'", what_fails(compiled, k, moved, later, rates))
+                fails = what_fails(compiled, k, moved, later, rates, data.force["potential"][k])
+                return Blamed(f"force '{compiled.system.name(force)}'", fails)
     return None
 
 
-def what_fails(compiled: Compiled, k: int, y: np.ndarray, t: float, rates: np.ndarray) -> str:
-    """Return the exception that the function of a force raises, or which of its numbers are not finite."""
+def what_fails(compiled: Compiled, k: int, y: np.ndarray, t: float, rates: np.ndarray, stored: float) -> str:
+    """Return the exception that the function of a force raises, or which of its numbers are not finite.
+
+    ``stored`` [J] is its energy.
+    """
     force = compiled.system.forces[k]
     if isinstance(force, FunctionForce) and (error := exception_of(compiled, k, y, t)):
         return f"its function raises {type(error).__name__}{f': {error}' if str(error) else ''}"
     if isinstance(force, ByTable) and force.beyond == "refuse":
         low, high = force.points[[0, -1], 0]
         return f"its table from {low:g} to {high:g} ends; give more points, or beyond='hold' or 'line'"
+    if isinstance(force, OverPulleys):
+        return OFF_PULLEY if np.isfinite(stored) else NO_TANGENT
     if not np.isfinite(rates).all():
         names = ", ".join(
             f"'{name}'" for name, rate in zip(force.state_names(), rates, strict=True) if rate * 0.0 != 0.0

@@ -1,7 +1,8 @@
-"""Friction by reactions in a run: what presses must be determined, friction must not hold itself, nor end the slip.
+"""Friction by reactions in a run: the normal load must be determinate, and the joint must not jam or come to rest.
 
-Without elastic slip friction has a direction only while its joint slips. Where a joint comes to rest and would not move
-on in either way, an adaptive method goes on in ever shorter steps, and fixed steps go to and fro: both are ended.
+A joint that slips in more than one way is held by no row: without elastic slip its friction has a direction only while
+it slips. Where it comes to rest and would not move on in either way, an adaptive method goes on in ever shorter steps,
+and fixed steps go to and fro: both are ended.
 """
 
 from collections.abc import Callable
@@ -97,9 +98,9 @@ def find_held_friction(compiled: Compiled, data: Data, y: np.ndarray, t: float) 
 
 
 def unyielding(compiled: Compiled) -> np.ndarray:
-    """Return the places of the forces that act by friction without elastic slip."""
+    """Return the places of the forces that act by friction and hold a joint at rest in no way."""
     forces = compiled.system.forces
-    return np.array([k for k, f in enumerate(forces) if isinstance(f, DryFriction) and f.yields is None], int)
+    return np.array([k for k, f in enumerate(forces) if isinstance(f, DryFriction) and f.needs_slip], int)
 
 
 def slip_speeds(compiled: Compiled, data: Data, t: float, y: np.ndarray, numbers: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""How far a motion is from the true one: the same run at tighter settings, and how fast the difference grows."""
+"""Global error estimate: the same run at tighter settings, and the growth rate of the difference."""
 
 from dataclasses import replace
 from typing import Any
@@ -67,7 +67,7 @@ def tighter(solution: RunResult) -> tuple[RunResult, RunResult, float]:
 
 
 def refined(solution: RunResult, factor: float) -> RunResult:
-    """Return the run made again with a tolerance, or a step, smaller by a factor."""
+    """Repeat the run with a tolerance, or a step, smaller by a factor."""
     record, options = solution.record, options_to_repeat(solution)
     method = options.method
     if record.kinematic:
@@ -87,7 +87,7 @@ def changed_method(method: Method, **changes: float) -> Method:
 
 
 def probed(solution: RunResult) -> RunResult:
-    """Return the run made again with stages elsewhere: steps shorter by an irrational factor, and many of them."""
+    """Repeat the run with stages at other times: steps shorter by an irrational factor, and many of them."""
     method, span = solution.record.method, solution.final.t - solution.start.t
     step = span / (GOLDEN * max(FINER * solution.record.steps, PROBES))
     finer = changed_method(method, **{"max_step" if method.dt is None else "dt": step})

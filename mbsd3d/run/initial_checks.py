@@ -26,6 +26,7 @@ from ..mechanism.forces.end_stop import Stop
 from ..mechanism.forces.own_functions import RETURN_FLAG_INDEX, uncompiled
 from ..mechanism.forces.tyre import Tyre
 from ..mechanism.mechanism import Mechanism
+from ..mechanism.rounded import RoundBar
 from ..results.motion import Motion
 from ..results.result import RunResult
 from .events import EVENT_TIME_ROUNDING
@@ -35,9 +36,11 @@ PENETRATION_SHARE_MAX = 0.9
 CONTACT_LOAD_MAX = 10.0
 """[1] Largest force of a contact as built, in weights of its body: a soft contact may penetrate deeply under load."""
 
+CENTRES_DISTANCE_MIN = 1e-9  # [1] of the distance at which round surfaces touch: less has no direction but rounding
 DEPTH_RATIO_MAX = 4.0
 """[1] of a contact that starts elsewhere than as built: depth of the lowest point over its distance below the centre;
 4 is twice the diameter of a sphere, so that the plane is a diameter above its top."""
+LIMIT_ROUNDING = 1e-14  # [1] of a turn or of the farthest place: depth of a start at the limit of a stop
 RESULTANT_ROUNDING = 1e-9  # [1] of the loads themselves: more than their sums round to
 MEMORY_ADVICE = "keep what it remembers in states=, with its rate in z_dot, and give random numbers as a signals.Table"
 
@@ -47,10 +50,15 @@ def check_initial_penetration(compiled: Compiled, y: np.ndarray) -> None:
 
     Elsewhere a `Contact` may start deep, but not far deeper than its surface is large.
     """
+    if not any([isinstance(force, Contact | Tyre) for force in compiled.system.forces]):
+        return
     n = compiled.model.body.size
     start = Motion(compiled, {"t": np.zeros(1), "q": y[: 7 * n].reshape(1, n, 7)})
     for force in compiled.system.forces:
         if not isinstance(force, Contact | Tyre):
+            continue
+        if isinstance(force, Contact) and force.bar is not None:
+            check_centres(compiled, force, force.bar, start)
             continue
         at, normal = force.plane
         up, centre = start.body_axis(force.a, normal)[0], start.body_point(force.b, force.outline.centre)[0]
@@ -73,6 +81,24 @@ def check_initial_penetration(compiled: Compiled, y: np.ndarray) -> None:
         )
 
 
+def check_centres(compiled: Compiled, contact: Contact, bar: RoundBar, start: Motion) -> None:
+    """Refuse a sphere that starts in the middle of another surface, or nearly there unless it is as soft as that."""
+    centres = start.body_point(contact.b, contact.outline.centre)
+    distance, touch = float(np.linalg.norm(bar.moving(start, contact.a, centres))), bar.radius + contact.outline.size
+    kind, name = type(contact.other).__name__.lower(), compiled.system.name(contact)
+    if distance <= CENTRES_DISTANCE_MIN * touch:
+        middle = "axis" if bar.half > 0.0 else "centre"
+        raise InputError(
+            f"force '{name}' (Contact): the centre of the sphere of '{contact.b.name}' starts on the {middle} of the "
+            f"{kind} of '{contact.a.name}', so that no direction leads out; move one of them"
+        )
+    if distance < (1.0 - PENETRATION_SHARE_MAX) * touch and not is_supported(contact, touch - distance):
+        raise InputError(
+            f"force '{name}' (Contact): '{contact.b.name}' starts {touch - distance:.4g} m deep in the {kind} of "
+            f"'{contact.a.name}', {distance:.4g} m beside its middle; check sizes (in m) and positions"
+        )
+
+
 def is_supported(contact: Contact, depth: float) -> bool:
     """Return whether the contact is so soft that its force at a depth [m] is some weights of its body at most."""
     return contact.stiffness * depth**contact.exponent <= CONTACT_LOAD_MAX * STANDARD_GRAVITY * contact.b.mass
@@ -89,11 +115,15 @@ def check_stops(compiled: Compiled, data: Data, y: np.ndarray) -> None:
     ``data`` has the hinge coordinates of the start: some turns away, the pose is the same and may lie within.
     """
     n, index = compiled.model.body.size, compiled.body_index
+    farthest = max(compiled.model.length, float(np.abs(y[: 7 * n].reshape(n, 7)[:, :3]).max()))
     for force in compiled.system.forces:
-        if not isinstance(force, Stop) or (depth := force.depth_as_built()) == 0.0:
+        if not isinstance(force, Stop):
             continue
-        x = force.record().coordinate
-        if x is not None and data.coordinate["value"][compiled.coordinate(x)] != 0.0:
+        x, depth = force.record().coordinate, force.depth_as_built()
+        size = 2.0 * np.pi if x is not None and x.kind != "slide" else farthest
+        if depth <= LIMIT_ROUNDING * size:
+            continue
+        if x is not None and x.kind != "slide" and data.coordinate["value"][compiled.coordinate(x)] != 0.0:
             continue
         poses = [(y[7 * i : 7 * i + 7], body) for body in force.bodies() if (i := index[id(body)]) < n]
         if all(np.array_equal(pose, [*body.position, *body.orientation]) for pose, body in poses):
@@ -196,7 +226,7 @@ def check_balance(compiled: Compiled, y: np.ndarray, t: float) -> None:
 
 
 class MemoryWatch:
-    """Asks the functions now and then for what they fill at the start: it must never change.
+    """Evaluates the functions at the start again from time to time: their results must never change.
 
     One that remembers or draws random numbers leaves no step whose error could be estimated.
     """

@@ -46,6 +46,7 @@ class Control:
     pad: str = ""
     springs: bool = False  # the slider goes back when it is let go
     builds: bool = False  # a change makes the model anew, and it goes on from where it is
+    hint: str = ""  # a sentence below it, for who has not used it before
 
 
 class Panel(NamedTuple):
@@ -66,7 +67,7 @@ class Built(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """What there is to see at a moment."""
+    """Displayed state of the model at one time."""
 
     curves: Sequence[float]  # a value per line of the panels
     values: Mapping[str, float] = {}  # of controls that follow the motion
@@ -75,7 +76,7 @@ class Seen(NamedTuple):
 
 
 class Playable(Protocol):
-    """What `Playing` plays; ``values`` are those of the controls by name, ``measured`` those of the measures."""
+    """Model that `Playing` runs; ``values`` are those of the controls by name, ``measured`` those of the measures."""
 
     @property
     def controls(self) -> Sequence[Control]:
@@ -92,12 +93,12 @@ class Playable(Protocol):
         """Return the values of the `Input` signals for the next segment."""
 
     def seen(self, values: Mapping[str, float], measured: Sequence[float] | np.ndarray) -> Seen:
-        """Return what is shown beside the scene."""
+        """Return the text and values shown beside the scene."""
 
 
 @dataclass(frozen=True, eq=False)
 class Plain:
-    """A system as it stands, with a control for each of some inputs."""
+    """An unchanged system with a control for each of some inputs."""
 
     system: Mechanism
     start: State
@@ -137,7 +138,7 @@ def plain(
     Raises
     ------
     ValueError
-        For an input that there is not, or that prescribes a motion; a range that is none, or does not hold the value
+        For an unknown input, or one that prescribes a motion; an invalid range, or one that excludes the value
         at the start; a measure of another system.
     """
     if curves is None:

@@ -23,7 +23,7 @@ WINDOW = 60  # frames over which it is seen whether the model keeps up
 
 
 class Frame(NamedTuple):
-    """What moves, at one moment."""
+    """Poses of the moving bodies at one time."""
 
     t: float  # [s]
     late: int  # frames that came after the next one was due
@@ -37,14 +37,14 @@ class GivenUpError(Exception):
 
 
 class Patience(Progress):
-    """Progress that stops a segment nobody waits for any more."""
+    """Progress display that stops a segment whose result is no longer needed."""
 
     def __init__(self) -> None:
         super().__init__("", 0.0, 1.0, False)
         self.over = threading.Event()
 
     def update(self, now: float) -> None:
-        """Raise a GivenUpError if the time is over."""
+        """Raise a GivenUpError once the time is up."""
         if self.over.is_set():
             raise GivenUpError
 
@@ -93,7 +93,7 @@ class Playing:
         self.grant()
 
     def do(self, what: Callable[..., T], *arguments: object) -> "Future[T]":
-        """Call one of the methods between two segments; the future has what it returns or raises."""
+        """Call a method between two segments; the future gets its return value or exception."""
         future: Future[T] = Future()
         self.wishes.append((future, lambda: what(*arguments)))
         if self._thread is not None and not self._thread.is_alive():
@@ -214,7 +214,7 @@ class Playing:
         self.reached.clear()
 
     def reset(self) -> None:
-        """Begin again at the start, with the controls as they are."""
+        """Restart from the initial state with the present controls."""
         self.begin(self.model.built(self.now, None))
         self.running, self.over, self.note, self.late = True, False, "", 0
 

@@ -1,4 +1,4 @@
-"""What the second process of the first run compiles: see `compiler.first_run`."""
+"""Kernels that the helper process of the first run compiles: see `compiler.first_run`."""
 
 import numpy as np
 from numba import typeof

@@ -37,7 +37,7 @@ def repeat(
 def has_changed_inputs(run: RunResult) -> bool:
     """Return whether an input was ever set to another value than the one it starts with."""
     own = starts(run.compiled)
-    return any(value != own[name] for name, changes in run.record.inputs.items() for _, value in changes)
+    return any(change[1:] != (own[name],) for name, changes in run.record.inputs.items() for change in changes)
 
 
 def repeat_segments(system: Mechanism, start: State, t_end: float, options: RunOptions, history: History) -> RunResult:
@@ -55,19 +55,19 @@ def repeat_segments(system: Mechanism, start: State, t_end: float, options: RunO
     times = output_times(options.output, start.t, t_end, options.method)
     wanted = set() if times is None else set(times.tolist())
     run = Segments(system, start, options)
-    changes: dict[float, list[tuple[str, float]]] = {
-        t: [] for t in sorted({*wanted, t_end, *(t for x in history.values() for t, _ in x)})
+    changes: dict[float, list[tuple[str, tuple[float, ...]]]] = {
+        t: [] for t in sorted({*wanted, t_end, *(t for x in history.values() for t, *_ in x)})
     }
     for name, values in history.items():
-        for t, value in values:
-            changes[t].append((name, value))
+        for change in values:
+            changes[change[0]].append((name, change[1:]))
     for t, found in changes.items():
         if start.t < t <= t_end:
             run.keep = t in wanted or run.t == start.t  # the first segment has the start too
             run.advance(t)
         if t <= t_end:
-            for name, value in found:
-                run.set(name, value)
+            for name, course in found:
+                run.set(name, *course)
     made = run.solution()
     chosen = np.isin(made.t, list(wanted))
     arrays = {name: array[chosen] for name, array in made.arrays.items()}

@@ -1,4 +1,4 @@
-"""A run in segments: it goes on where it is, with inputs that are set between two segments."""
+"""A run in segments: each continues from the last state, with inputs set between two segments."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -16,7 +16,7 @@ from ..dynamics.auditing import AUDITED_FIELDS
 from ..dynamics.state_rates import evaluate
 from ..equations.compiled import compile_system, holders_of, set_input, starts, with_history, with_own_inputs
 from ..integrators.step_control import STEP_TIME_RATIO_MIN
-from ..kernels.coordinates import measure
+from ..kernels.measures import measure
 from ..mechanism.measures import Measure, check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals.signal import Input
@@ -48,12 +48,12 @@ class Snapshot:
     t: float  # [s]
     owner: "Segments"
     working: tuple  # memory of the run, work space, tree, memory of the method
-    inputs: dict[str, float]
-    history: dict[str, list[tuple[float, float]]]
+    history: dict[str, list[tuple[float, ...]]]
     record: Record
     samples: Samples
     seen: list[tuple[int, float, float]]  # by the watch for divergence
     last_event: int
+    controllers: tuple = ()  # where the controllers of a stepper were
 
     def __repr__(self) -> str:
         return f"<snapshot: at t = {self.t:g} s>"
@@ -87,9 +87,11 @@ class Segments(Job):
             check_members(system, x, "Stepper: measures")
         check_no_switching(system)
         compiled = with_own_inputs(compile_system(system, tuple(measures), options.switches))
-        self.inputs, self.keep, self.progress = starts(compiled), True, SILENT
-        self.history = {name: [(start.t, value)] for name, value in self.inputs.items()}
-        self.driving = {name: driver_of(system, name) for name in self.inputs}
+        self.keep, self.progress = True, SILENT
+        self.history: dict[str, list[tuple[float, ...]]] = {
+            name: [(start.t, value)] for name, value in starts(compiled).items()
+        }
+        self.driving = {name: driver_of(system, name) for name in self.history}
         super().__init__(compiled, start, start.t, None, options)
         self.measures = range(len(measures))
         self.last_signal = last_time(system)
@@ -111,26 +113,30 @@ class Segments(Job):
         """Return the time reached so far [s]."""
         return float(self.memory.now["t"])
 
-    def set(self, key: Input | str, value: float) -> None:
-        """Set the value of an input from now on."""
+    @property
+    def inputs(self) -> dict[str, float]:
+        """Return the value of every input now."""
+        return {name: value_now(changes[-1], self.t) for name, changes in self.history.items()}
+
+    def set(self, key: Input | str, value: float, slope: float = 0.0) -> None:
+        """Set the value of an input from now on, and its slope [1/s]."""
         name = key.name if isinstance(key, Input) else key
-        if not isinstance(name, str) or name not in self.inputs:
-            have = ", ".join(f"'{x}'" for x in self.inputs) or "none"
+        if not isinstance(name, str) or name not in self.history:
+            have = ", ".join(f"'{x}'" for x in self.history) or "none"
             raise InputError(f"Stepper: {short_repr(key)} is not one of the inputs of this system; there are {have}")
-        value = number(value, f"Stepper: input '{name}'")
-        if value == self.inputs[name]:
+        value, slope = number(value, f"Stepper: input '{name}'"), number(slope, f"Stepper: slope of input '{name}'")
+        course, changes, t = (value, slope) if slope else (value,), self.history[name], self.t
+        if changes[-1][1:] == course and not slope:
             return
         if self.driving[name] is not None:
             raise InputError(
                 f"Stepper: input '{name}' prescribes the motion of driver '{self.driving[name]}', and a jump would "
                 "tear the joints apart; let it set a force, or a reference of a controller"
             )
-        self.inputs[name] = value
-        changes, t = self.history[name], self.t
         if changes[-1][0] == t:
             changes.pop()
-        changes.append((t, value))
-        set_input(self.compiled, name, value)
+        changes.append((t, *course))
+        set_input(self.compiled, name, value, slope, t)
         self.memory.now.fresh = 1
 
     def advance(self, t: float) -> None:
@@ -138,7 +144,7 @@ class Segments(Job):
         t, run = number(t, "Stepper: t"), self.memory
         now, task = run.now, run.task  # their fields by name: as attributes each takes a microsecond more
         begin, step, rejected, first = float(now["t"]), now["step"], now["rejected"], now["evaluations"] == 0
-        if not t - begin > max(STEP_TIME_RATIO_MIN * abs(t), MAGNITUDE_MIN):  # what rounding adds is no segment
+        if not t - begin > max(STEP_TIME_RATIO_MIN * abs(t), MAGNITUDE_MIN):  # what rounding adds is not a segment
             raise InputError(f"Stepper: t = {t:.9g} s does not lie after {begin:.9g} s; give a later time")
         check_steps(self.options.method, t - begin, "Stepper")
         if t > self.last_signal:
@@ -164,14 +170,16 @@ class Segments(Job):
         self.drain()
         working = self.memory._replace(out=NO_BUFFER), self.data, self.tree, self.own
         return Snapshot(
-            self.t, self, duplicate(working), dict(self.inputs), copied(self.history), self.record.copy(),
+            self.t, self, duplicate(working), copied(self.history), self.record.copy(),
             self.samples.copy(), list(self.divergence.seen), self.last_event,
         )  # fmt: skip
 
     def restore(self, snapshot: Snapshot) -> None:
         """Go back, or on, to where the run was."""
         if not isinstance(snapshot, Snapshot):
-            raise InputError(f"Stepper: restore: {short_repr(snapshot)} is no snapshot; give one of Stepper.snapshot()")
+            raise InputError(
+                f"Stepper: restore: {short_repr(snapshot)} is not a snapshot; give one of Stepper.snapshot()"
+            )
         if snapshot.owner is not self:
             raise InputError(
                 f"Stepper: restore: {snapshot!r} is of another stepper; restore it there, or start this one from the "
@@ -179,9 +187,10 @@ class Segments(Job):
             )
         memory, self.data, self.tree, self.own = duplicate(snapshot.working)
         self.memory = memory._replace(out=self.memory.out)
-        self.inputs, self.history = dict(snapshot.inputs), copied(snapshot.history)
-        for name, value in self.inputs.items():
-            set_input(self.compiled, name, value)
+        self.history = copied(snapshot.history)
+        for name, changes in self.history.items():
+            t, value, slope = (*changes[-1], 0.0)[:3]
+            set_input(self.compiled, name, value, slope, t)
         self.record, self.samples = snapshot.record.copy(), snapshot.samples.copy()
         self.divergence.seen, self.last_event = list(snapshot.seen), snapshot.last_event
 
@@ -226,18 +235,25 @@ class Segments(Job):
         return np.array([measure(self.model, self.data, i, self.t) for i in self.measures])
 
 
-def copied(history: dict[str, list[tuple[float, float]]]) -> dict[str, list[tuple[float, float]]]:
+def value_now(change: tuple[float, ...], t: float) -> float:
+    """Return the value at time t [s] of an input since a change."""
+    then, value, slope = (*change, 0.0)[:3]
+    return value + slope * (t - then)
+
+
+def copied(history: dict[str, list[tuple[float, ...]]]) -> dict[str, list[tuple[float, ...]]]:
     """Return a history of inputs whose later changes leave this one as it is."""
     return {name: list(changes) for name, changes in history.items()}
 
 
 def check_no_switching(system: Mechanism) -> None:
     """Refuse parts that switch at events: rows stay what they are in all segments."""
-    for part in holders_of(system):
+    parts: tuple[Any, ...] = holders_of(system)
+    for part in parts:
         if is_switching(part):
             raise InputError(
                 f"Stepper: '{system.name(part)}' ({type(part).__name__}) switches at events, which a run in segments "
-                "does not look for; use simulate from state to state, or system.engage and release"
+                f"does not look for; use simulate from state to state, or {part.without_events}"
             )
 
 

@@ -1,5 +1,6 @@
 """From a mechanism and a state to the result of a run."""
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from ..base.progress import Progress
 from ..equations.compiled import Compiled, compile_system, modes_at
 from ..equations.tables import signals_of
 from ..integrators.method import Method
+from ..mechanism.lock import Lock
 from ..mechanism.measures import check_members
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.signals import check_interval
@@ -18,7 +20,7 @@ from ..results.record import MOST_NUMBERS, RunOptions
 from ..results.result import RunResult
 from .initial_checks import own_forces
 from .job import Job
-from .switched_run import SwitchedRun
+from .switched_run import SwitchedRun, modes_at_rest, switching
 
 RUN_SHARE_MIN = 1e-12  # [1] of the time, the shortest run: a hundred of the shortest steps
 MOST_STEPS = 1e9  # of a run: days
@@ -26,6 +28,17 @@ MOST_STEPS = 1e9  # of a run: days
 
 def run_to(system: Mechanism, start: State, t_end: float, options: RunOptions) -> RunResult:
     """Integrate a mechanism from a state to ``t_end`` [s]; errors as `mbsd3d.simulate`."""
+    compiled, t_end, times = check_run(system, start, t_end, options)
+    if compiled.modes:
+        return SwitchedRun(system, start, t_end, times, options).run()
+    job = Job(compiled, start, t_end, times, options)
+    return job.run(Progress(f"simulate to {t_end:g} s", start.t, t_end, options.progress))
+
+
+def check_run(
+    system: Mechanism, start: State, t_end: float, options: RunOptions
+) -> tuple[Compiled, float, np.ndarray | None]:
+    """Check the arguments of a run; return the arrays of the system, the end [s] and the output times [s]."""
     t_end = check_end(t_end, start.t, "simulate")
     check_steps(options.method, t_end - start.t, "simulate")
     check_own_steps(system, t_end - start.t)
@@ -36,11 +49,7 @@ def run_to(system: Mechanism, start: State, t_end: float, options: RunOptions) -
     compiled = compile_system(system, () if stop_when is None else (stop_when.measure,), options.switches)
     check_signals(compiled, start.t, t_end)
     width = 19 * len(system.bodies) + compiled.model.state.size + 2 * compiled.model.row.size
-    times = output_times(options.output, start.t, t_end, options.method, width)
-    if compiled.modes:
-        return SwitchedRun(system, start, t_end, times, options).run()
-    job = Job(compiled, start, t_end, times, options)
-    return job.run(Progress(f"simulate to {t_end:g} s", start.t, t_end, options.progress))
+    return compiled, t_end, output_times(options.output, start.t, t_end, options.method, width)
 
 
 def check_end(t_end: Any, t_start: float, what: str) -> float:
@@ -107,7 +116,7 @@ def output_times(output: Any, t_start: float, t_end: float, method: Method, widt
         if output < 2:
             raise InputError(f"simulate: output = {short_repr(output)} samples; give at least 2, or an array of times")
         check_room(int(output), width)
-        return np.linspace(t_start, t_end, int(output))
+        return even_times(t_start, t_end, int(output)).copy()
     if isinstance(output, float):
         raise InputError(
             f"simulate: output = {output}: give a count, or an array of times, e.g. numpy.arange(0, t_end, {output})"
@@ -123,7 +132,19 @@ def output_times(output: Any, t_start: float, t_end: float, method: Method, widt
     return times
 
 
+@lru_cache(maxsize=8)
+def even_times(t_start: float, t_end: float, count: int) -> np.ndarray:
+    """Return equally spaced times; cells of a sweep ask for the same."""
+    return np.linspace(t_start, t_end, count)
+
+
 def accelerations_at(system: Mechanism, start: State, options: RunOptions) -> RunResult:
-    """Return accelerations and reactions at one state, as a result with a single sample."""
-    compiled = compile_system(system, (), options.switches, modes_at(system, start))
+    """Return accelerations and reactions at one state, as a result with a single sample.
+
+    What sticks by a row at rest holds or slips as it would at the start of a run.
+    """
+    modes = modes_at(system, start)
+    if any(isinstance(part, Lock) and part.sticks for part in switching(system)):
+        modes = modes_at_rest(system, start, options)
+    compiled = compile_system(system, (), options.switches, modes)
     return Job(compiled, start, start.t, np.array([start.t]), options).evaluate()

@@ -8,9 +8,10 @@ import numpy as np
 from ..base.errors import InputError, IntegrationError
 from ..base.progress import Progress
 from ..constraints.engagement import Strike, check_closed, impulses, joint_at
-from ..equations.at_state import coordinate_row, driven_coordinates, load_state
+from ..equations.at_state import driven_coordinates, load_state
 from ..equations.compiled import Compiled, compile_system, holders_of, modes_at
 from ..equations.dense_solvers import mass_matrix_of
+from ..equations.jacobian import block_rows
 from ..kernels.layout import Data
 from ..mechanism.engaged import Engaged
 from ..mechanism.lock import Lock
@@ -23,21 +24,37 @@ from ..results.events import Event
 from ..results.joined import Jump, joined
 from ..results.record import RunOptions
 from ..results.result import RunResult
-from .closed_stops import Touching, at_rest, struck
+from .closed_stops import (
+    Touching,
+    able_to_stick,
+    at_rest,
+    capacities,
+    closed,
+    giving_way,
+    held_down,
+    holding_instead,
+    modes_with,
+    struck,
+    stuck_first,
+)
 from .events import EVENT_VALUE_TOLERANCE, slack_of
 from .job import Job
 
 HOP_SLACKS = 10.0  # [1] times what counts as no distance: lower hops end in rest
+ARMED_SLACKS = 10.0  # [1] times what counts as no difference: by that a part that was at rest has gone beyond its limit
+MISSED_SLACKS = 100.0  # [1] times what counts as no distance: no event leaves a part that far beyond its limit
+CLOSED_SLACKS = 0.1  # [1] times what counts as no distance: a part that is farther from its limit is set there
 ENERGY_ROUNDING = 1e-9  # [1] of the kinetic energy after an impact: rounding
 EVENTS_MAX, CROWDED_SHARE = 1000, 1e-6  # [events] within this share of a run: they do not come to an end
 EVENTS_AT_ONCE_MAX = 20  # [events] at one time and part: more undo each other
 
 
 class Watched(NamedTuple):
-    """A condition, the part that watches for it, and what happens then."""
+    """A condition, the part that watches for it, and what happens then; ``waits``: once it has been false."""
 
     part: Any
     watch: Watch
+    waits: bool = False
 
 
 class SwitchedRun:
@@ -49,7 +66,7 @@ class SwitchedRun:
         if not options.method.order:
             raise InputError(
                 f"simulate: Kinematic finds poses from drivers alone, and '{system.name(switching(system)[0])}' "
-                "switches at loads and impacts; give another method, or leave the part out"
+                f"switches at loads and impacts; give another method, or {switching(system)[0].without_events}"
             )
         self.system, self.start, self.t_end, self.times, self.options = system, start, t_end, times, options
         self.state, self.modes = start, modes_at(system, start)
@@ -61,12 +78,14 @@ class SwitchedRun:
         self.jumps: list[Jump] = []
         self.speed = 0.0  # m/s, the greatest so far, or that accelerations at the start lead to expect
         self.at_once: dict[str, int] = {}
+        self.beside: dict[int, tuple[float, float]] = {}  # (value, rate) by id of locks at rest that do not hold
+        self.were_false: set[str] = set()  # conditions, with what they do, that were false before the last event
 
     def run(self) -> RunResult:
         """Integrate from event to event until the end, a stop, an error or Ctrl-C."""
         self.begin()
         title = f"simulate to {self.t_end:g} s"
-        while not self.stopped_by_jump():
+        while True:
             job, watched = self.job()
             try:
                 piece = job.run(Progress(title, self.start.t, self.t_end, self.options.progress))
@@ -82,23 +101,11 @@ class SwitchedRun:
             if piece.final.t >= self.t_end:
                 return joined(self.pieces, self.jumps)
             self.state, self.speed = piece.final, max(self.speed, piece.record.speed)
-            self.count(watched[number])
-            self.jumps.append(self.jump(watched[number]))
-        return joined(self.pieces, self.jumps)
-
-    def stopped_by_jump(self) -> bool:
-        """Return whether the last jump made the condition to stop come true; the run ends behind the jump then."""
-        stop = self.options.stop_when
-        if stop is None or not self.jumps:
-            return False
-        last, after = self.pieces[-1], self.evaluate(self.modes)
-        before = replace(last, arrays={name: array[-1:] for name, array in last.arrays.items()})
-        gaps = [stop.direction * (float(x.measure(stop.measure)[0]) - stop.value) for x in (before, after)]
-        found = gaps[0] < 0.0 and gaps[1] > slack_of(stop, self.compiled.model.length, self.speed)
-        if found:
-            after.record.stopped_by = f"{stop} at t = {self.state.t:.9g} s"
-            self.pieces.append(after)
-        return found
+            one = self.foremost(watched, number)
+            self.were_false = self.false_until(job, watched, one)
+            self.count(one.part)
+            self.jumps.append(self.jump(one))
+            self.strike_in_turn()
 
     def begin(self) -> None:
         """Set the modes of locks at the start, with the impact if the motion starts against a stop."""
@@ -106,9 +113,8 @@ class SwitchedRun:
             return
         before = self.evaluate(self.modes)
         self.speed = speed_of(before, self.system, self.compiled.model.length)
-        compiled, data, pose = self.loaded()
-        for part in self.locks:
-            name, (x, _) = self.system.name(part), self.motion_of(compiled, data, pose, part)
+        for part, (x, _) in zip(self.locks, self.motions(), strict=True):
+            name = self.system.name(part)
             slack = self.slack(part, x)
             self.modes = self.modes | {name: part.placed(self.modes[name], x, slack)}
             if (beyond := part.depth(x)) > slack:
@@ -117,16 +123,29 @@ class SwitchedRun:
                 )
         jump = self.settle("", "is struck at the start")
         if jump.event.impulses:
+            stop = self.options.stop_when
+            if stop is not None and stop.direction * (float(before.measure(stop.measure)[0]) - stop.value) < 0.0:
+                self.were_false = {str(stop)}
             self.pieces.append(before)
             self.jumps.append(jump)
+            self.strike_in_turn()
+
+    def strike_in_turn(self) -> None:
+        """Add the impacts that follow at once, where one throws what was leaving a stop back against it."""
+        while self.locks:
+            found = self.touching()
+            slow = np.array([self.slow(x) for x in found.locks])
+            thrown = (found.rates(found.pose.v) < -slow) & found.one_sided
+            if not thrown.any():
+                return
+            part = found.locks[int(np.argmax(thrown))]
+            self.count(part)
+            self.pieces.append(self.evaluate(self.modes))
+            self.jumps.append(self.settle(self.system.name(part), "is struck in turn"))
 
     def job(self) -> tuple[Job, list[Watched]]:
         """Return the job of the next piece, and what it watches besides the condition to stop."""
-        watched = [
-            Watched(part, watch)
-            for part in switching(self.system)
-            for watch in part.watched(self.modes[self.system.name(part)])
-        ]
+        watched = [one for part in switching(self.system) for one in self.watched(part)]
         for one in watched:
             check_members(self.system, one.watch.condition.measure, f"'{self.system.name(one.part)}'")
         stop = self.options.stop_when
@@ -138,8 +157,52 @@ class SwitchedRun:
             times = np.array([*first, *times[times > self.state.t]]) if self.pieces else times
         conditions = [one.watch.condition for one in watched]
         job = Job(compiled, self.state, self.t_end, times, self.options, conditions)
-        job.goes_on = self.state.t > self.start.t
+        job.goes_on, job.began, job.speed = self.state.t > self.start.t, self.start.t, self.speed
+        job.waiting = {k + (stop is not None) for k, one in enumerate(watched) if one.waits}
+        names = self.names_of(watched)
+        job.were_false = {k for k, name in enumerate(names) if name in self.were_false}
         return job, watched
+
+    def names_of(self, watched: list[Watched]) -> list[str]:
+        """Return what tells the conditions of a job apart, in their order there: that to stop comes first."""
+        stop = [] if self.options.stop_when is None else [str(self.options.stop_when)]
+        return stop + [f"{self.system.name(x.part)}: {x.watch.action} {x.watch.condition}" for x in watched]
+
+    def false_until(self, job: Job, watched: list[Watched], one: Watched) -> set[str]:
+        """Return the conditions, but those of locks and of ``one``, that were false until its event.
+
+        Several may come true at one time, or one by the jump of another: each acts. Locks are judged by `settle`.
+        """
+        names, first = self.names_of(watched), len(job.conditions) - len(watched)
+        judged = [isinstance(x.part, Lock) or x.part is one.part for x in watched]
+        false = {name for name, armed in zip(names, job.memory.watch["armed"], strict=True) if armed}
+        if not job.memory.now["steps"]:  # no time has passed
+            false |= self.were_false
+        return false - {name for name, known in zip(names[first:], judged, strict=True) if known}
+
+    def watched(self, part: Any) -> list[Watched]:
+        """Return what a part watches for now.
+
+        Where a lock is at rest at its limit and does not hold, rounding tells which side it is on. It is watched for
+        its limit once it has left it, and from the start for what rounding does not do.
+        """
+        found: list[Watched] = []
+        for watch in part.watched(self.modes[self.system.name(part)]):
+            waits = id(part) in self.beside and self.may_hold(watch, *self.beside[id(part)])
+            found += [Watched(part, watch, waits), *([Watched(part, self.beyond_rounding(watch))] if waits else [])]
+        return found
+
+    def may_hold(self, watch: Watch, x: float, rate: float) -> bool:
+        """Return whether a condition of the coordinate of a lock is true or may be so by rounding."""
+        one = watch.condition
+        value = rate if one.measure.kind == "coordinate rate" else x
+        return bool(one.direction * (value - one.value) > -slack_of(one, self.compiled.model.length, self.speed))
+
+    def beyond_rounding(self, watch: Watch) -> Watch:
+        """Return a watch that comes true by far more than what counts as no difference, so that it is armed at once."""
+        one = watch.condition
+        beyond = ARMED_SLACKS * slack_of(one, self.compiled.model.length, self.speed)
+        return watch._replace(condition=replace(one, value=one.value + one.direction * beyond))
 
     def plain(self, piece: RunResult) -> RunResult:
         """Return a piece read by tables without the measures that were watched."""
@@ -147,9 +210,20 @@ class SwitchedRun:
         arrays = piece.arrays | {"coordinate": piece.arrays["coordinate"][:, : compiled.own_coordinates]}
         return replace(piece, compiled=compiled, arrays=arrays)
 
-    def count(self, one: Watched) -> None:
+    def foremost(self, watched: list[Watched], number: int) -> Watched:
+        """Return the first part of the system whose rate comes to zero with that of part ``number``, if that does.
+
+        Which of several a method sees first is a matter of rounding.
+        """
+        if not comes_to_rest(watched[number]):
+            return watched[number]
+        rates = {id(part): rate for part, (_, rate) in zip(self.locks, self.motions(), strict=True)}
+        still = (one for one in watched if comes_to_rest(one) and abs(rates[id(one.part)]) <= self.slow(one.part))
+        return next(still, watched[number])
+
+    def count(self, part: Any) -> None:
         """Refuse parts that switch for ever at one time."""
-        name, last = self.system.name(one.part), self.jumps[-1].event.t if self.jumps else -np.inf
+        name, last = self.system.name(part), self.jumps[-1].event.t if self.jumps else -np.inf
         if self.state.t > last:
             self.at_once = {}
         self.at_once[name] = self.at_once.get(name, 0) + 1
@@ -168,7 +242,9 @@ class SwitchedRun:
         name, mode, action = self.system.name(one.part), self.modes[self.system.name(one.part)], one.watch.action
         if isinstance(one.part, Lock):
             self.modes = self.modes | {name: one.part.after(mode, one.watch)}
-            return self.settle(name, action, leaving=one.part if one.part.holds(mode) else None)
+            found = self.settle(name, action, leaving=one.part if one.part.holds(mode) else None)
+            became = one.part.outcome(mode, self.modes[name], action)
+            return replace(found, event=replace(found.event, action=found.event.action.replace(action, became, 1)))
         joins = mode.name == OPEN.name
         self.modes = self.modes | {name: self.engaged(one.part) if joins else OPEN}
         return self.settle(name, action, joins)
@@ -177,22 +253,26 @@ class SwitchedRun:
         """Return the jump where a part switches: first the impact, if there is one, then what holds after it."""
         hit: Strike | None = None
         held = {id(x) for x in self.locks if x.holds(self.modes[self.system.name(x)])}
-        found = self.touching()
+        found = self.at_limits()
         bounce = np.array([x.bounce for x in found.locks])
         slow = np.array([self.slow(x) for x in found.locks])
         before = found.rates(found.pose.v)
-        one_sided = np.array([x.one_sided for x in found.locks], bool)
         if joins:
             check_closed(found.compiled, found.data, name, found.pose.t)
-        if joins or (one_sided & (before < -slow)).any():
+        if joins or (found.one_sided & (before < -slow)).any():
             hit, _ = struck(found, bounce)
             self.state = replace(found.pose, v=hit.v)
         rest = self.hold(leaving)
         if hit is not None and (low := self.low_hops(*rest)).any():
             names = [x for x, ends in zip(rest[0].locks, low, strict=True) if ends]
-            hit, _ = struck(found, np.where([x in names for x in found.locks], 0.0, bounce))
+            hit, part = struck(found, np.where([x in names for x in found.locks], 0.0, bounce))
             self.state = replace(found.pose, v=hit.v)
-            self.hold(leaving)
+            rest = self.hold(leaving)
+            if (low := self.low_hops(*rest)).any():  # of what turns about a stop that holds
+                names = [x for x, ends in zip(rest[0].locks, low, strict=True) if ends]
+                hit = held_down(found, hit, part, np.array([x in names for x in found.locks]))
+                self.state = replace(found.pose, v=hit.v)
+                self.hold(leaving)
             action = f"{action} and comes to rest"
         if hit is not None:
             self.check_energy(found, hit)
@@ -242,10 +322,9 @@ class SwitchedRun:
 
     def touching(self) -> Touching:
         """Return the locks that may hold at the state, with tables in which they do."""
-        compiled, data, pose = self.loaded()
+        pose = replace(self.state, modes=dict(self.modes), notes=())
         locks, modes = [], []
-        for part in self.locks:
-            x, rate = self.motion_of(compiled, data, pose, part)
+        for part, (x, rate) in zip(self.locks, self.motions(), strict=True):
             mode = self.modes[self.system.name(part)]
             held = part.touching(mode, x, rate, self.slack(part, x), self.slow(part))
             if held is not None:
@@ -257,31 +336,91 @@ class SwitchedRun:
         load_state(compiled, data, pose)
         return Touching(locks, modes, compiled, data, pose)
 
+    def at_limits(self) -> Touching:
+        """Return the locks that may hold, after those that an event has found beyond their limits are set on them."""
+        found = self.touching()
+        beyond = -found.sense * found.data.row["c"][found.row]
+        slack = np.array([self.slack(x, m.numbers[0]) for x, m in zip(found.locks, found.modes, strict=True)])
+        if (beyond > MISSED_SLACKS * slack).any():
+            k = int(np.argmax(beyond / slack))
+            raise IntegrationError(
+                f"'{self.system.name(found.locks[k])}' is {beyond[k]:.3g} {'m' if found.locks[k].in_metres else 'rad'} "
+                "beyond its limit: an event was missed", time=self.state.t,
+                solution=joined(self.pieces, self.jumps) if self.pieces else None,
+                advice="take a smaller rtol or dt, or give it stiffness= where it has one",
+            )  # fmt: skip
+        if not (beyond > CLOSED_SLACKS * slack).any():
+            return found
+        self.state = closed(found)
+        return self.touching()
+
     def hold(self, leaving: Lock | None) -> tuple[Touching, np.ndarray, np.ndarray]:
         """Set the modes of all locks by rates, loads and accelerations; return locks, rates and accelerations."""
-        compiled, data, pose = self.loaded()
+        motions = dict(zip(map(id, self.locks), self.motions(), strict=True))
         for part in self.locks:
-            name, rate = self.system.name(part), self.motion_of(compiled, data, pose, part)[1]
+            name, (_, rate) = self.system.name(part), motions[id(part)]
             self.modes = self.modes | {name: part.moving(self.modes[name], rate, self.slow(part))}
         found = self.touching()
         rates = found.rates(found.pose.v)
-        may = np.abs(rates) <= [self.slow(x) for x in found.locks]
-        begin = np.array([x is not leaving and x.holds(self.modes[self.system.name(x)]) for x in found.locks], bool)
-        free = [x.opened(self.modes[self.system.name(x)]) for x in found.locks]
+        self.beside = {}
         if not found.locks:
             return found, rates, rates
-        rest = at_rest(found, free, self.evaluate, may, begin)
-        self.modes = rest.modes
+        names, slow = [self.system.name(x) for x in found.locks], [self.slow(x) for x in found.locks]
+        left = np.array([x is leaving for x in found.locks])
+        still = (np.abs(rates) <= slow) & ~left  # where a load has changed its sign all may be zero
+        may = able_to_stick(found, still)
+        held = np.array([x.holds(self.modes[name]) for x, name in zip(found.locks, names, strict=True)]) & ~left
+        free = [
+            x.opened(self.modes[name]) if x is not leaving or x.one_sided else self.modes[name]
+            for x, name in zip(found.locks, names, strict=True)
+        ]
+        for k in np.flatnonzero(still & ~may).tolist():
+            free[k] = found.locks[k].idle(free[k])
+        for k in np.flatnonzero(left & ~found.one_sided).tolist():
+            self.let_go(found, k, free, held, may)
+        rest = at_rest(found, free, self.evaluate, may, stuck_first(found, held, may))
+        waits = {name: x.resting(rest.modes[name], y) for x, name, y in zip(found.locks, names, slow, strict=True)}
+        self.modes = rest.modes | waits
+        free_at_rest = (np.abs(rates) <= slow) & ~rest.holds
+        self.beside = {id(x): motions[id(x)] for x, rests in zip(found.locks, free_at_rest, strict=True) if rests}
         return found, rates, rest.away
+
+    def let_go(self, found: Touching, k: int, free: list[Mode], held: np.ndarray, may: np.ndarray) -> None:
+        """Let another lock hold instead of lock k at its limit, or let it go with all that moves along with it.
+
+        A one-sided lock at its limit towards which k gives way takes over: as k goes, it has no acceleration yet.
+        """
+        gives = giving_way(found, held, k, free[k].numbers[0])
+        struck = found.one_sided & may & ~held & (found.sense * gives < 0.0)
+        if struck.any():
+            j = int(np.argmin(np.where(struck, found.sense * gives, np.inf)))
+            free[k], held[j] = found.locks[k].opened(free[k]), True
+            return
+        most = capacities(found, self.evaluate(self.modes))
+        j = holding_instead(found, free, np.where(may & ~held, gives, 0.0), most)
+        if j >= 0 and self.bears(found, held | (np.arange(held.size) == j), free, k):
+            free[k], held[j] = found.locks[k].opened(free[k]), True
+            return
+        may &= (gives == 0.0) | found.one_sided
+        for i in np.flatnonzero(~found.one_sided).tolist():
+            free[i] = found.locks[i].moving(free[i], float(gives[i]), 0.0)
+
+    def bears(self, found: Touching, held: np.ndarray, free: list[Mode], k: int) -> bool:
+        """Return whether loads exist where some locks hold and lock k is at its limit: no friction holds itself."""
+        modes = [*free[:k], found.locks[k].opened(free[k]), *free[k + 1 :]]
+        try:
+            self.evaluate(modes_with(found, held, modes))
+        except IntegrationError:
+            return False
+        return True
 
     def low_hops(self, found: Touching, rates: np.ndarray, away: np.ndarray) -> np.ndarray:
         """Return which stops the motion leaves for hops lower than what is seen of them."""
-        one_sided = np.array([x.one_sided for x in found.locks], bool)
         slow = np.array([self.slow(x) for x in found.locks])
         low = HOP_SLACKS * np.array(
             [self.slack(x, m.numbers[0]) for x, m in zip(found.locks, found.modes, strict=True)]
         )
-        return one_sided & (rates > slow) & (away < 0.0) & (rates**2 < -2.0 * away * low)
+        return found.one_sided & (rates > slow) & (away < 0.0) & (rates**2 < -2.0 * away * low)
 
     def evaluate(self, modes: dict[str, Mode]) -> RunResult:
         """Return accelerations and loads at the state in some modes."""
@@ -290,20 +429,25 @@ class SwitchedRun:
         options = replace(self.options, stop_when=None)
         return Job(compiled, pose, pose.t, np.array([pose.t]), options).evaluate()
 
-    def motion_of(self, compiled: Compiled, data: Data, pose: State, part: Lock) -> tuple[float, float]:
-        """Return value and rate of the coordinate of a lock at a state, which is loaded in ``data``."""
-        x, row = coordinate_row(compiled, data, compiled.coordinate(part.coordinate()), pose.t)
-        return float(x), float(row @ pose.v)
+    def motions(self) -> list[tuple[float, float]]:
+        """Return value and rate at the state of what each lock holds, by rows that hold it at 0."""
+        held = {self.system.name(part): Mode("held", (0.0,)) for part in self.locks}
+        compiled = compile_system(self.system, (), self.options.switches, self.modes | held)
+        data = compiled.data()
+        load_state(compiled, data, replace(self.state, notes=()))
+        rates = block_rows(compiled.model, data).times(self.state.v)
+        own = [compiled.rows[id(part)].start for part in self.locks]
+        return [(float(data.row["c"][k]), float(rates[k])) for k in own]
 
     def slack(self, part: Lock, x: float) -> float:
         """Return what counts as no distance [rad or m] from the value x."""
-        length = self.compiled.model.length if part.coordinate().kind != "angle" else 1.0
+        length = self.compiled.model.length if part.in_metres else 1.0
         return EVENT_VALUE_TOLERANCE * max(abs(x), length)
 
     def slow(self, part: Lock) -> float:
         """Return what counts as no rate [rad/s or m/s]."""
         length = self.compiled.model.length
-        return EVENT_VALUE_TOLERANCE * self.speed / (length if part.coordinate().kind == "angle" else 1.0)
+        return EVENT_VALUE_TOLERANCE * self.speed / (1.0 if part.in_metres else length)
 
     def loaded(self) -> tuple[Compiled, Data, State]:
         """Return the tables of the modes now, and their work space at the state."""
@@ -324,12 +468,27 @@ class SwitchedRun:
         return engaged_mode(Engaged(part.joint, offset=float(data.row["c"][compiled.rows[id(part)]][0])))
 
 
+def modes_at_rest(system: Mechanism, start: State, options: RunOptions) -> dict[str, Mode]:
+    """Return the modes at a state in which what sticks holds or slips; those of other parts stay."""
+    run = SwitchedRun(system, start, start.t, None, options)
+    run.locks = [x for x in run.locks if x.sticks]
+    run.speed = speed_of(run.evaluate(run.modes), system, run.compiled.model.length)
+    run.hold(None)
+    return run.modes
+
+
 def speed_of(now: RunResult, system: Mechanism, length: float) -> float:
     """Return the speed [m/s] of a motion at its start, or that it has after the length of the model."""
     v, a = (np.abs(now.arrays[name][0]) for name in ("v", "acceleration"))
     turn, pull = length * float(v[:, 3:].max()), float(a[:, :3].max()) + length * float(a[:, 3:].max())
     expected = np.sqrt(max(pull, float(np.linalg.norm(system.gravity))) * length)
     return max(float(v[:, :3].max()), turn, float(expected)) or length
+
+
+def comes_to_rest(one: Watched) -> bool:
+    """Return whether a lock is watched for a rate that becomes zero."""
+    found = one.watch.condition
+    return isinstance(one.part, Lock) and found.measure.kind == "coordinate rate" and found.value == 0.0
 
 
 def switching(system: Mechanism) -> list[Any]:

@@ -12,11 +12,12 @@ The rows themselves are lam = Z'(p - G' mu - I a). Featherstone, Rigid Body Dyna
 
 A reflected inertia R of the joint's coordinate, whose rate is j (v - X v_p), adds R (j N)(j N)' to D, takes
 R (j N)(j y) from the load along N and R (j (a - X a_p)) Z'j from lam; it never adds to I. With it N'(p - I a) is not
-zero, and the load that was handed down is p - I a less I N R (j N)(j N x) / D: `held_back`.
+zero, and the load that was handed down is p - I a less what N has kept: `held_back`. A ball has three of the same R,
+which add R 1 to D: its directions N are turns about axes that are perpendicular to each other.
 """
 
 from ..compiler.decorators import fused_kernel, inner_kernel
-from ..kernels.vectors import add, cross, dot, mat, pair, put, put6, rotate, rotate_back, scale, sub, vec
+from ..kernels.vectors import add, add6, cross, dot, mat, pair, put, put6, rotate, rotate_back, scale, sub, vec
 from .joint_basis import hold, row_on_body
 from .spatial_inertia import (
     along6,
@@ -57,32 +58,75 @@ def body_inertia(fixed, body):
 
 @inner_kernel
 def reflected_share(m, d, link, n, x):
-    """Return R (j n)(j x) of the reflected inertia R of the joint of a link, 0 without one."""
-    if link.reflected < 0:
-        return 0.0 * n[0][0]
-    j = pair(d.reflected[link.reflected].J[link.side])
-    return m.reflected[link.reflected].inertia * dot6(j, n) * dot6(j, x)
+    """Return R (j n)(j x), summed over the reflected inertias R of the joint of a link."""
+    total = 0.0 * n[0][0]
+    for i in range(link.reflected, link.reflected + link.reflections):
+        j = pair(d.reflected[i].J[link.side])
+        total += m.reflected[i].inertia * dot6(j, n) * dot6(j, x)
+    return total
 
 
 @inner_kernel
-def held_back(m, d, link, x):
-    """Return u R (j N)(j x) / D: the load of a link that its reflected inertia keeps from N in a motion x along N."""
-    load = scale(0.0, x[0]), scale(0.0, x[1])
+def held_back(link, a):
+    """Return sum u (e - u a / D) over the free directions: what they keep of the load of a link that moves at a."""
+    load = scale(0.0, a[0]), scale(0.0, a[1])
     for k in range(link.rows, 6):
-        share = reflected_share(m, d, link, pair(link.basis[k]), x) * link.inverse[k]
-        load = along6(load, share, pair(link.u[k]))
+        u = pair(link.u[k])
+        load = along6(load, link.e[k] - dot6(u, a) * link.inverse[k], u)
     return load
 
 
 @inner_kernel
+def less_reflected(m, d, link, f, x):
+    """Return the load f of a link less what the reflected inertias of its joint take to move at x."""
+    for i in range(link.reflected, link.reflected + link.reflections):
+        j = pair(d.reflected[i].J[link.side])
+        f = along6(f, -m.reflected[i].inertia * dot6(j, x), j)
+    return f
+
+
+@inner_kernel
 def less_rotor(m, d, s, link, f, a):
-    """Return what of the load f of a link, which moves at a, its joint carries beside its reflected inertia."""
+    """Return what of the load f of a link, which moves at a, its joint carries beside its reflected inertias."""
+    f = along6(f, 1.0, held_back(link, a))
     if link.up >= 0:
         carried = moved_motion(pair(s.link[link.up].a), vec(link.d))
         a = sub(a[0], carried[0]), sub(a[1], carried[1])
-    f = along6(f, 1.0, held_back(m, d, link, along6(a, -1.0, pair(link.y))))
-    j = pair(d.reflected[link.reflected].J[link.side])
-    return along6(f, -m.reflected[link.reflected].inertia * dot6(j, a), j)
+    return less_reflected(m, d, link, f, a)
+
+
+@fused_kernel
+def take_out_of_loops(s, link, k, n, u, inverse):
+    """Take what free direction k yields out of the loop rows that a link feels."""
+    for e in range(link.entry, link.entry + link.entries):
+        at = s.entry[e]
+        G = pair(at.G)
+        share = dot6(G, n)
+        at.e[k] = share
+        linear, angular = along6(G, -inverse * share, u)
+        put6(at.G, linear, angular)
+
+
+@fused_kernel
+def hand_loops(s, link):
+    """Add what is left of the loop rows of a link to those of its parent."""
+    for e in range(link.entry, link.entry + link.entries):
+        at = s.entry[e]
+        if at.next >= 0:
+            linear, angular = moved_load(pair(at.G), vec(link.d))
+            add6(s.entry[at.next].G, linear, angular)
+
+
+@inner_kernel
+def start_loops(d, s, link):
+    """Set the loop rows of a link to those that stand on its own body."""
+    for e in range(link.entry, link.entry + link.entries):
+        at = s.entry[e]
+        for j in range(6):
+            at.G[j] = 0.0
+        if at.slot >= 0:
+            linear, angular = row_on_body(d.row[s.loop[at.place].row], at.slot, at.twin)
+            put6(at.G, linear, angular)
 
 
 @fused_kernel
@@ -104,13 +148,7 @@ def take_out(m, d, s, link):
             less_outer(B, inverse, u[0], u[1]),
             less_outer(C, inverse, u[1], u[1]),
         )
-        for e in range(link.entry, link.entry + link.entries):
-            at = s.entry[e]
-            G = pair(at.G)
-            share = dot6(G, n)
-            at.e[k] = share
-            linear, angular = along6(G, -inverse * share, u)
-            put6(at.G, linear, angular)
+        take_out_of_loops(s, link, k, n, u, inverse)
     put9(link.A, A)
     put9(link.B, B)
     put9(link.C, C)
@@ -129,14 +167,7 @@ def hand_down(s, link):
         up.A[j] += A[j]
         up.B[j] += B[j]
         up.C[j] += C[j]
-    for e in range(link.entry, link.entry + link.entries):
-        at = s.entry[e]
-        if at.next >= 0:
-            linear, angular = moved_load(pair(at.G), shift)
-            G = s.entry[at.next].G
-            for j in range(3):
-                G[j] += linear[j]
-                G[3 + j] += angular[j]
+    hand_loops(s, link)
 
 
 @inner_kernel
@@ -155,13 +186,7 @@ def start_links(m, d, s):
             parent = d.body[s.link[link.up].body]
             for j in range(3):
                 link.d[j] = body.r[j] - parent.r[j]
-        for e in range(link.entry, link.entry + link.entries):
-            at = s.entry[e]
-            for j in range(6):
-                at.G[j] = 0.0
-            if at.slot >= 0:
-                linear, angular = row_on_body(d.row[s.loop[at.place].row], at.slot, at.twin)
-                put6(at.G, linear, angular)
+        start_loops(d, s, link)
 
 
 @inner_kernel
@@ -267,7 +292,7 @@ def move_links(m, d, s):
         put(body.alpha, rotate_back(mat(body.R), a[1]))
         if link.rows > 0:
             f = along6(p, -1.0, times(mat(link.A), mat(link.B), mat(link.C), a))
-            if link.reflected >= 0:
+            if link.reflections > 0:
                 f = less_rotor(m, d, s, link, f, a)
             for j in range(link.rows):
                 d.row[s.joint[link.joint + j].row].lam = dot6(pair(link.basis[j]), f)

@@ -76,7 +76,7 @@ def fill_dense(m, d, s, K, rhs):
                 K[6 * i + 3 + k, 6 * i + j] = per_weight * B[3 * j + k]
                 K[6 * i + 3 + j, 6 * i + 3 + k] = per_weight * C[3 * j + k]
     for i in range(m.reflected.shape[0]):
-        on = m.coordinate[m.reflected[i].coordinate].body
+        on = m.reflected[i].body
         for one in range(2):
             for other in range(2):
                 if on[one] < m.body.shape[0] and on[other] < m.body.shape[0]:
@@ -130,7 +130,7 @@ def solve_dense(m, d, s) -> int:
 @inner_kernel
 def reflected_acceleration(m, d, i, acceleration):
     """Return J a, the acceleration of the coordinate of reflected inertia i without its bias, for a (n, 6)."""
-    on, total = m.coordinate[m.reflected[i].coordinate].body, 0.0 * d.reflected[i].bias
+    on, total = m.reflected[i].body, 0.0 * d.reflected[i].bias
     for end in range(2):
         if on[end] < m.body.shape[0]:
             for j in range(6):
@@ -151,7 +151,7 @@ def subtract_known(m, d, acceleration, lam):
     for i in range(m.reflected.shape[0]):
         load = m.reflected[i].inertia * reflected_acceleration(m, d, i, acceleration)
         for end in range(2):
-            b = m.coordinate[m.reflected[i].coordinate].body[end]
+            b = m.reflected[i].body[end]
             for j in range(6 if b < n else 0):
                 d.body[b].top[j] -= load * d.reflected[i].J[end, j]
     for k in range(m.row.shape[0]):

@@ -9,6 +9,7 @@ import gc
 import multiprocessing
 import os
 import signal
+import time
 from collections import deque
 from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, ProcessPoolExecutor, ThreadPoolExecutor, wait
@@ -16,12 +17,13 @@ from contextlib import contextmanager
 from functools import partial
 from multiprocessing.connection import wait as wait_for_end
 from threading import Thread
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..base.checks import short_repr
-from ..base.concurrency import Turns, taking_turns
+from ..base.concurrency import Turns, keep_one_thread, one_thread_for_all, taking_turns
 from ..base.errors import InputError, SweepError
 from ..base.paths import drop_pieces
+from ..base.wording import counted
 from .experiment import Outcome
 
 WORKER_DEATH_MESSAGE = (
@@ -30,8 +32,17 @@ WORKER_DEATH_MESSAGE = (
 )
 KILLED_WORKER_NAME = "KilledWorker"  # of distributed, by its name: it may not be installed
 WORKER_GRACE_SECONDS = 1.0  # [s] for a worker to end by itself
-CELLS_IN_FLIGHT_MAX = 1000  # [1] cells in flight on an executor of the user, whose workers are not known
+CELLS_IN_FLIGHT_MAX = 1000  # [1] tasks in flight on an executor of the user, whose workers are not known
+BATCH_SECONDS = 0.02  # [s] of work that goes to a process at a time: to send a task costs some 0.4 ms
+BATCHES_MIN = 64  # [1] batches at least into which the cells that are left are divided: workers end together
 START_ADVICE = "put the call of sweep under if __name__ == '__main__':, since new processes import the script"
+
+
+class Timed(NamedTuple):
+    """Outcomes of several cells."""
+
+    outcomes: list[Outcome]
+    seconds: float  # s, of a cell
 
 
 def outcomes(
@@ -40,7 +51,7 @@ def outcomes(
     """Yield (cell, outcome) in the order in which cells finish."""
     if executor is None or executor == "threads":
         turns = Turns()
-        with closing(ThreadPoolExecutor(cores(), "sweep"), turns.close) as pool:
+        with one_thread_for_all(), closing(ThreadPoolExecutor(cores(), "sweep"), turns.close) as pool:
             yield from stream(pool, partial(by_turns, turns, call), cells, deque(todo), 2 * cores(), deque())
     elif executor == "processes":
         yield from on_processes(call, cells, deque(todo))
@@ -54,7 +65,7 @@ def outcomes(
         left.extend(suspects)
         if left:
             raise SweepError(
-                f"the executor {type(executor).__name__} broke, {len(left)} cells have not finished",
+                f"the executor {type(executor).__name__} broke before {counted(len(left), 'cell')} had finished",
                 advice="executor='processes' goes on with fresh processes and names the cell that killed one",
             )
 
@@ -115,39 +126,61 @@ def stream(
     lost: deque,
     suspects: deque | None = None,
 ) -> Generator[tuple[int, Outcome], None, None]:
-    """Run the queue with at most ``window`` cells in flight; if the pool breaks, those in flight go to ``lost``.
+    """Run the queue with at most ``window`` tasks in flight; if the pool breaks, those in flight go to ``lost``.
 
     A cluster blames every cell that its dead workers held, the culprit or not: these go to ``suspects`` where given.
+    Of many cells several make a task, as soon as one has shown how long they take.
     """
-    running: dict[Any, int] = {}
-    broken = False
+    running: dict[Any, list[int]] = {}
+    broken, seconds = False, 0.0  # s, of a cell; 0 = not known yet
+    batched = len(queue) >= 2 * BATCHES_MIN and window > 1 and not isinstance(pool, ThreadPoolExecutor)
     try:
         while running or (queue and not broken):
-            while queue and len(running) < window and not broken:
+            most = min(window, BATCHES_MIN) if batched and not seconds else window
+            while queue and len(running) < most and not broken:
+                size = min(int(BATCH_SECONDS / seconds), len(queue) // BATCHES_MIN) if batched and seconds else 1
+                taken = [queue.popleft() for _ in range(max(size, 1))]
+                task = (timed, call, [cells[i] for i in taken]) if batched else (call, cells[taken[0]])
                 try:
-                    future = pool.submit(call, cells[queue[0]])
+                    future = pool.submit(*task)
                 except RuntimeError:  # broken since the last look at it, or closed by its owner
+                    queue.extendleft(reversed(taken))
                     broken = True
                     break
-                running[future] = queue.popleft()
+                running[future] = taken
                 if future.done():
                     break
             for future in wait(running, return_when=FIRST_COMPLETED).done:
-                cell, error = running.pop(future), None if future.cancelled() else future.exception()
+                taken, error = running.pop(future), None if future.cancelled() else future.exception()
                 if future.cancelled() or isinstance(error, BrokenExecutor):
-                    lost.append(cell)
+                    lost.extend(taken)
                     broken = True
                 elif isinstance(error, KeyboardInterrupt):
                     raise error
                 elif suspects is not None and type(error).__name__ == KILLED_WORKER_NAME:
-                    suspects.append(cell)
+                    suspects.extend(taken)
+                elif error is not None and len(taken) > 1:  # one of them: each alone will tell
+                    queue.extendleft(reversed(taken))
+                    batched = False
                 elif error is not None:
-                    yield cell, Outcome({}, f"{type(error).__name__}: {error}")
+                    yield taken[0], Outcome({}, f"{type(error).__name__}: {error}")
                 else:
-                    yield cell, future.result()
+                    found = future.result()
+                    if isinstance(found, Timed):
+                        seconds = found.seconds
+                        yield from zip(taken, found.outcomes, strict=True)
+                    else:
+                        yield taken[0], found
     finally:
         for future in running:
             future.cancel()
+
+
+def timed(call: Callable, cells: list[dict]) -> Timed:
+    """Run cells one after the other."""
+    began = time.perf_counter()
+    found = [call(cell) for cell in cells]
+    return Timed(found, (time.perf_counter() - began) / len(cells))
 
 
 def begin_worker() -> None:
@@ -160,6 +193,7 @@ def begin_worker() -> None:
         signal.signal(signal.SIGTERM, lambda *_: None)  # the thread answers: Python has no turn in the compiler
         told = [reader]
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    keep_one_thread()
     gc.freeze()  # what was imported is no garbage: cells allocate much, and would have it looked through each time
     Thread(target=end_in_time, args=(told,), daemon=True).start()
 

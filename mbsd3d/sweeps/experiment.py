@@ -51,6 +51,14 @@ class Experiment:
 
     def solve(self, parameters: dict[str, Any]) -> Solution:
         """Build and simulate the system of a cell."""
+        system, settings = self.settings(parameters)
+        solution = simulate(system, **settings)
+        if (solution.record.stopped_by or "").startswith("interrupted"):
+            raise KeyboardInterrupt  # the run stood in the main thread and has seen it first
+        return solution
+
+    def settings(self, parameters: dict[str, Any]) -> tuple[System, dict[str, Any]]:
+        """Build the system of a cell; return it and the arguments of simulate."""
         built = self.build(**parameters)
         system, own = built if isinstance(built, tuple) and len(built) == 2 else (built, {})
         if not isinstance(system, System) or not isinstance(own, Mapping):
@@ -64,10 +72,7 @@ class Experiment:
         check_settings(settings)
         if "t_end" not in settings:
             raise MisuseError("the cells have no t_end; give run=dict(t_end=...), or return it from build")
-        solution = simulate(system, **settings)
-        if (solution.record.stopped_by or "").startswith("interrupted"):
-            raise KeyboardInterrupt  # the run stood in the main thread and has seen it first
-        return solution
+        return system, settings
 
     def numbers(self, measured: Any) -> dict[str, float | list[float]]:
         """Return the result of measure as floats and lists of floats by name."""
@@ -111,10 +116,10 @@ def settings_of_simulate() -> tuple[str, ...]:
     return tuple(name for name in inspect.signature(simulate).parameters if name != "system")
 
 
-def check_parameters(function: Callable, what: str, parameters: Mapping[str, Any]) -> None:
+def check_parameters(function: Callable, what: str, parameters: Mapping[str, Any], caller: str = "sweep") -> None:
     """Raise ValueError where the function does not take exactly these parameters."""
     if not callable(function):
-        raise InputError(f"sweep: {what} {short_repr(function)} is not a function; give one")
+        raise InputError(f"{caller}: {what} {short_repr(function)} is not a function; give one")
     try:
         signature = inspect.signature(function)
     except (TypeError, ValueError):
@@ -123,6 +128,5 @@ def check_parameters(function: Callable, what: str, parameters: Mapping[str, Any
         signature.bind(**parameters)
     except TypeError as error:
         takes = ", ".join(signature.parameters) or "none"
-        raise InputError(
-            f"sweep: {what} does not take the parameters {', '.join(parameters)} ({error}); it takes {takes}"
-        ) from None
+        given = ", ".join(parameters) or "none"
+        raise InputError(f"{caller}: {what} does not take the parameters {given} ({error}); it takes {takes}") from None

@@ -1,4 +1,4 @@
-"""Cells of a sweep: a full factorial grid of named values, or points sampled from named ranges."""
+"""Cells of a sweep: a full factorial grid of named values, or points sampled from named ranges or distributions."""
 
 import itertools
 from collections.abc import Mapping, Sequence
@@ -11,8 +11,15 @@ from numpy.typing import ArrayLike
 from ..base.checks import as_tuple, check_choice, number, numbers, short_repr
 from ..base.errors import InputError, checks_arguments
 from ..base.fields import Array, Checked, Stored, kept, locked, part_class
+from ..base.style import Told
+from ..base.wording import counted
 
 SAMPLING_METHODS = ("sobol", "latin hypercube", "random")
+NAMED = {  # distributions by name, with what their numbers mean
+    "normal": ("mean", "standard deviation"),
+    "uniform": ("least", "greatest"),
+    "triangular": ("least", "likeliest", "greatest"),
+}
 POINTS_MAX = 10_000_000  # [1] points of a sample
 
 
@@ -34,7 +41,7 @@ class Names(Stored[Sequence[str], tuple[str, ...]]):
 
 
 @part_class()
-class Samples(Checked):
+class Samples(Checked, Told):
     """Points (count, k) of k named parameters, in their units: one cell of a sweep per row.
 
     ValueError if the shape does not fit the names, or a number is not finite.
@@ -45,6 +52,9 @@ class Samples(Checked):
 
     names: Names = kept()
     points: Array = kept(by=as_points)
+
+    def __repr__(self) -> str:
+        return f"<samples: {counted(len(self.points), 'point')} of {', '.join(self.names)}>"
 
     def check(self, what: str) -> None:
         names, points = self.names, self.points
@@ -59,18 +69,33 @@ class Samples(Checked):
 
 
 @checks_arguments
-def samples(ranges: Mapping[str, tuple[float, float]], count: int, *, method: str = "sobol", seed: int = 0) -> Samples:
+def samples(
+    ranges: Mapping[str, Any],
+    count: int,
+    *,
+    method: str = "sobol",
+    seed: int = 0,
+    correlation: Mapping[tuple[str, str], float] | None = None,
+) -> Samples:
     """Sample points over named ranges for `sweep`, the same for the same seed; its dataset has the dimension "sample".
 
-    ``ranges``: name -> (least, greatest) value of the parameter. ``count``: number of points; a power of two for
-    "sobol", whose points are even only then. ``method``: "sobol" (scrambled Sobol sequence), "latin hypercube" or
-    "random"; see `scipy.stats.qmc`. ValueError for an empty range, an unknown method, or another count.
+    ``ranges``: name -> (least, greatest) value of the parameter, or its distribution: ``("normal", mean, standard
+    deviation)``, ``("uniform", least, greatest)``, ``("triangular", least, likeliest, greatest)``, or a frozen one of
+    `scipy.stats`. ``count``: number of points; a power of two for "sobol", whose points are even only then.
+    ``method``: "sobol" (scrambled Sobol sequence), "latin hypercube" or "random"; see `scipy.stats.qmc`.
+    ``correlation``: (name, other) -> -1 < rho < 1 of two parameters, others are independent: that of the normal
+    variables z whose probabilities ``F_i(x_i) = Phi(z_i)`` are, which of normal parameters is their own.
+    ValueError for an empty range, an unknown method, another count, or correlations that no variables have.
 
     >>> points = samples({"bend": (0.1, 0.5), "rate": (5.0, 10.0)}, 4, seed=3).points
     >>> bool((points.min(axis=0) >= (0.1, 5.0)).all() and (points.max(axis=0) <= (0.5, 10.0)).all())
     True
+    >>> made = {"mass": ("normal", 3.0, 0.1), "load": ("triangular", 0.0, 0.2, 1.0)}
+    >>> masses = samples(made, 256, correlation={("mass", "load"): 0.6}).points
+    >>> masses[:, 0].mean().round(2)  # of a sweep: dataset.quantile([0.05, 0.95], "sample")
+    np.float64(3.0)
     """
-    from scipy.stats import qmc
+    from scipy.stats import norm, qmc
 
     if not isinstance(ranges, Mapping):
         raise InputError(f"samples: ranges {short_repr(ranges)}; give a mapping of names to (least, greatest)")
@@ -82,25 +107,68 @@ def samples(ranges: Mapping[str, tuple[float, float]], count: int, *, method: st
     if not isinstance(seed, int | np.integer) or isinstance(seed, bool) or seed < 0:
         raise InputError(f"samples: seed {short_repr(seed)}; give a whole number >= 0")
     check_names(tuple(ranges))
-    limits = np.array([check_range(name, values) for name, values in ranges.items()])
+    marginals = [distribution_of(name, values, "samples") for name, values in ranges.items()]
+    root = root_of_correlation(tuple(ranges), {} if correlation is None else correlation)
     if method == "random":
-        unit = np.random.default_rng(seed).random((count, len(limits)))
+        unit = np.random.default_rng(seed).random((count, len(marginals)))
     else:
         kind = qmc.Sobol if method == "sobol" else qmc.LatinHypercube
-        unit = kind(len(limits), rng=seed).random(count)
-    return Samples(tuple(ranges), limits[:, 0] + unit * (limits[:, 1] - limits[:, 0]))
+        unit = kind(len(marginals), rng=seed).random(count)
+    if correlation:
+        unit = norm.cdf(norm.ppf(unit) @ root.T)
+    return Samples(tuple(ranges), np.column_stack([one.ppf(unit[:, i]) for i, one in enumerate(marginals)]))
 
 
-def check_range(name: str, values: Any) -> tuple[float, float]:
-    """Return (least, greatest) of a parameter."""
+def distribution_of(name: str, values: Any, caller: str) -> Any:
+    """Return the distribution of a parameter with its inverse ``ppf``: probability -> value."""
+    from scipy.stats import norm, triang, uniform
+
+    if callable(getattr(values, "ppf", None)):
+        return values
+    kind, found = named_numbers(name, values, caller)
+    if kind == "normal":
+        if not found[1] > 0.0:
+            raise InputError(f"{caller}: standard deviation {found[1]:g} of '{name}'; give a number > 0")
+        return norm(*found)
+    low, likeliest, high = found[0], found[-2], found[-1]
+    if not (low < high and low <= likeliest <= high):
+        shown = " ... ".join(f"{x:g}" for x in found)
+        order = ", ".join(NAMED[kind])
+        raise InputError(f"{caller}: range of '{name}' is empty, {shown}; give ({order}) in this order")
+    return uniform(low, high - low) if kind == "uniform" else triang((likeliest - low) / (high - low), low, high - low)
+
+
+def named_numbers(name: str, values: Any, caller: str) -> tuple[str, list[float]]:
+    """Return the name of a distribution and its numbers; two numbers alone are those of "uniform"."""
+    kind, given = "uniform", list(values) if isinstance(values, list | tuple | np.ndarray) else []
+    if given and isinstance(given[0], str):
+        kind, *given = given
+        check_choice(kind, tuple(NAMED), f"{caller}: distribution of '{name}'")
+    if len(given) != len(NAMED[kind]):
+        forms = ", ".join(f"({', '.join([repr(key), *words])})" for key, words in NAMED.items())
+        raise InputError(
+            f"{caller}: range {short_repr(values)} of '{name}'; give (least, greatest), {forms} or a distribution of "
+            "scipy.stats"
+        )
+    return kind, [number(x, f"{caller}: {what} '{name}'") for x, what in zip(given, NAMED[kind], strict=True)]
+
+
+def root_of_correlation(names: tuple[str, ...], given: Mapping[tuple[str, str], float]) -> np.ndarray:
+    """Return L of the matrix L L' of the correlations of named parameters."""
+    if not isinstance(given, Mapping):
+        raise InputError(f"samples: correlation {short_repr(given)}; give a mapping of (name, other) to a number")
+    matrix = np.eye(len(names))
+    for pair, value in given.items():
+        if not isinstance(pair, tuple) or len(pair) != 2 or pair[0] == pair[1] or not {*pair} <= {*names}:
+            raise InputError(f"samples: correlation of {short_repr(pair)}; give two of {', '.join(names)}")
+        i, j = map(names.index, pair)
+        matrix[i, j] = matrix[j, i] = number(value, f"samples: correlation of {pair[0]} and {pair[1]}")
     try:
-        low, high = values
-    except (TypeError, ValueError):
-        raise InputError(f"samples: range {short_repr(values)} of '{name}'; give (least, greatest)") from None
-    low, high = number(low, f"samples: least '{name}'"), number(high, f"samples: greatest '{name}'")
-    if not low < high:
-        raise InputError(f"samples: range of '{name}' is empty, {low:g} ... {high:g}; give (least, greatest)")
-    return low, high
+        return np.linalg.cholesky(matrix)
+    except np.linalg.LinAlgError:
+        raise InputError(
+            f"samples: correlation {short_repr(dict(given))} is that of no variables; give smaller numbers"
+        ) from None
 
 
 def check_names(names: tuple) -> None:

@@ -4,7 +4,7 @@ import hashlib
 import json
 import sqlite3
 from collections.abc import Callable, Mapping
-from contextlib import suppress
+from contextlib import closing, suppress
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any
@@ -54,9 +54,30 @@ def identity(experiment: Experiment, grid: Grid, tag: str) -> dict[str, Any]:
         "tag": tag,
         "build": title(experiment.build),
         "measure": title(experiment.measure),
-        "run": title(run) if callable(run) else {key: stamp(value) for key, value in sorted(run.items())},
+        "run": run_stamp(run),
         "dims": list(grid.dims),
     } | {f"values of '{name}'": stamp(values) for name, (_, values) in grid.columns.items()}
+
+
+def identity_of_study(experiment: Experiment, names: tuple[str, ...]) -> dict[str, Any]:
+    """Return the identity of a study: functions by name, parameters and version; what else matters is in the keys."""
+    return {
+        "format": FORMAT_VERSION,
+        "mbsd3d": package_version(),
+        "build": title(experiment.build),
+        "measure": title(experiment.measure),
+        "parameters": list(names),
+    }
+
+
+def run_stamp(run: Mapping[str, Any] | Callable) -> str | dict[str, str]:
+    """Return arguments of `simulate` by name and value, or the name of the function that returns them."""
+    return title(run) if callable(run) else {key: stamp(value) for key, value in sorted(run.items())}
+
+
+def point_key(kind: str, settings: str, x: np.ndarray) -> str:
+    """Return the key of what was found at a point with some settings."""
+    return f"{kind} {hashlib.sha256(settings.encode() + np.ascontiguousarray(x).tobytes()).hexdigest()}"
 
 
 def stamp(value: Any) -> str:
@@ -79,12 +100,13 @@ def title(function: Callable) -> str:
 class Store:
     """Finished work by its key in a SQLite file, with the identity of what made it.
 
-    Every piece is committed as it comes: what a killed process had finished is there. Values are stored as JSON, which
+    Every piece is committed at once, so the finished work of a killed process is kept. Values are stored as JSON, which
     reads floats back bit for bit.
 
     ``identity`` is what makes two runs the same, as JSON: settings, versions; ``what`` names the work in messages, e.g.
-    "sweep". If the file holds other work or is damaged, ``replace`` begins anew: for what a command keeps for itself.
-    Else that is a `LedgerError` that says what differs, as is a file that cannot be used, read or written.
+    "sweep". If the file holds other work or is damaged, ``replace`` starts afresh: for files that a command keeps for
+    itself. Otherwise a `LedgerError` states what differs; it is also raised for a file that cannot be used, read or
+    written.
     """
 
     def __init__(self, path: str | Path, identity: Mapping[str, Any], what: str, *, replace: bool = False) -> None:
@@ -204,3 +226,61 @@ class Ledger(Store):
         """Store a finished cell."""
         if not outcome.error:
             self.put(cell, {"values": outcome.values, "settings": outcome.settings})
+
+
+class StoredPoint(msgspec.Struct, forbid_unknown_fields=True):
+    """What a study found at a point."""
+
+    values: dict[str, float | list[float]]
+    jac: list[list[float]] | None = None
+
+
+class PointLedger:
+    """Values and derivatives that a study found, by point.
+
+    The file is opened for each piece, so that it may serve several studies that differ in their sample times only.
+    """
+
+    def __init__(self, path: str | Path, own: Mapping[str, Any]) -> None:
+        self.path, self.own = path, own
+        with closing(self.open()) as file:
+            found = file.all()
+            try:
+                self.known = {str(key): msgspec.convert(one, StoredPoint) for key, one in found.items()}
+            except CONTENT_ERRORS as error:
+                raise file.unreadable(error) from error
+
+    def open(self) -> Store:
+        """Open the file."""
+        return Store(self.path, self.own, "study")
+
+    def keep(self, key: str, values: Mapping[str, float | list[float]], jac: list[list[float]] | None = None) -> None:
+        """Store what was found at a point."""
+        with closing(self.open()) as file:
+            self.put(file, key, values, jac)
+
+    def put(self, file: Store, key: str, values: Mapping[str, Any], jac: list[list[float]] | None = None) -> None:
+        """Store what was found at a point in the open file."""
+        file.put(key, {"values": dict(values), "jac": jac})
+        self.known[key] = StoredPoint(dict(values), jac)
+
+
+class PointCells:
+    """The points of a study as the cells of a sweep, for which the file stays open."""
+
+    def __init__(self, ledger: PointLedger, keys: list[str]) -> None:
+        self.ledger, self.keys, self.file = ledger, keys, ledger.open()
+
+    def finished(self) -> dict[int, Outcome]:
+        """Return the points that need not run again."""
+        known = self.ledger.known
+        return {cell: Outcome(known[key].values) for cell, key in enumerate(self.keys) if key in known}
+
+    def keep(self, cell: int, outcome: Outcome) -> None:
+        """Store a finished point."""
+        if not outcome.error:
+            self.ledger.put(self.file, self.keys[cell], outcome.values)
+
+    def close(self) -> None:
+        """Close the file."""
+        self.file.close()

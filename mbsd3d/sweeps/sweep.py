@@ -13,10 +13,11 @@ from ..base.concurrency import one_thread
 from ..base.errors import InputError, SweepError, checks_arguments
 from ..base.paths import package_version
 from ..base.progress import Progress
+from ..base.wording import counted
 from .executors import check_executor, outcomes
 from .experiment import Experiment, MisuseError, Outcome, check_parameters, check_settings
 from .grids import Grid, Samples, make_grid
-from .store import Ledger, LedgerError, identity
+from .store import Ledger, LedgerError, PointCells, identity
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -73,7 +74,7 @@ def sweep(
         Before anything runs: empty or non-finite values, parameters that ``build`` does not take, an unknown argument
         of `simulate`, a ledger of another sweep or one that cannot be opened.
     SweepError
-        If ``build`` or ``measure`` return something else, or the ledger cannot be written any more;
+        If ``build`` or ``measure`` return something else, or the ledger can no longer be written;
         ``error.dataset`` holds the finished cells.
 
     Examples
@@ -107,7 +108,10 @@ def sweep(
     book = None if ledger is None else Ledger(ledger, identity(experiment, cells, tag), len(cells.cells))
     results: dict[int, Outcome] = {}
     try:
-        with one_thread(), Progress(f"sweep of {len(cells.cells)} cells", 0, len(cells.cells), progress) as bar:
+        with (
+            one_thread(),
+            Progress(f"sweep of {counted(len(cells.cells), 'cell')}", 0, len(cells.cells), progress) as bar,
+        ):
             trouble = collect(experiment, cells, executor, book, results, units or {}, bar)
     finally:
         if book is not None:
@@ -147,7 +151,7 @@ def collect(
     experiment: Experiment,
     grid: Grid,
     executor: Any,
-    book: Ledger | None,
+    book: Ledger | PointCells | None,
     results: dict[int, Outcome],
     units: Mapping[str, str],
     bar: Progress,

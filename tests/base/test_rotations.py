@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from mbsd3d import rotation
+from mbsd3d import GROUND, Body, Revolute, measures, rotation
 from mbsd3d.base import rotations
 from mbsd3d.kernels.kinematics import displace_body
 from mbsd3d.rotations import (
@@ -174,7 +174,10 @@ def test_as_quaternion_normalises_what_was_typed_with_seven_digits():
 @pytest.mark.parametrize(
     ("orientation", "message"),
     [
-        ([1, 0, 0, 0.01], r"wheel: the quaternion \[1.  , 0.  , 0.  , 0.01\] has norm 1.00005 instead of 1; divide it"),
+        (
+            [1, 0, 0, 0.01],
+            r"wheel: the quaternion \[1.  , 0.  , 0.  , 0.01\] has norm 1.00005 instead of 1; give rotations.normalize",
+        ),
         ([0, 0, 0, 0], "has norm 0 instead of 1"),
         ([1, 0, np.nan, 0], r"wheel: \[ 1.,  0., nan,  0.\] is not finite; give a unit quaternion"),
         (np.diag([1, 1, -1]), "wheel: the matrix is left-handed .* reverse one axis"),
@@ -221,3 +224,40 @@ def test_rotation_refuses(axis, angle, message):
 def test_shapes_and_values_are_refused(function, value, message):
     with pytest.raises(ValueError, match=message):
         function(value)
+
+
+def test_a_direction_may_be_a_letter():
+    arm = Body("arm", 1.0, (1.0, 1.0, 1.0), position=(0.3, 0.2, 0.1))
+    for letter, axis in zip("xyz", np.eye(3), strict=True):
+        assert (Revolute(GROUND, arm, at=(0.0, 0.0, 0.0), axis=letter).axis == axis).all()
+        assert (measures.omega(arm, axis=letter).axis == axis).all()
+    with pytest.raises(ValueError, match=r"axis is 'w'; give 'x', 'y', 'z' or a vector"):
+        Revolute(GROUND, arm, at=(0.0, 0.0, 0.0), axis="w")
+
+
+def test_normalize_keeps_the_direction():
+    given = np.array([[0.6, 0.0, 0.79, 0.1], [-3.0, 4.0, 12.0, 1e-3]])
+    unit = rotations.normalize(given)
+    np.testing.assert_allclose(np.linalg.norm(unit, axis=1), 1.0, rtol=1e-15, atol=0.0)
+    np.testing.assert_allclose(rotations.matrix(unit), rotations.matrix(given), rtol=0.0, atol=1e-15)
+    with pytest.raises(ValueError, match="zero"):
+        rotations.normalize((0.0, 0.0, 0.0, 0.0))
+
+
+def test_perpendiculars_that_are_carried_follow_their_axes_where_others_jump():
+    """Axes that turn past the place where another world axis becomes the least along them, and their partners."""
+    carried, away = rotations.Carried(), rotations.perpendiculars(np.array([0.0, 0.6, 0.8]))[0]
+    steps, paths = [np.linspace(0.2, 1.3, 400), np.linspace(1.3, 0.2, 400)], []
+    axes = [np.array([np.cos(a) * np.cos(b), np.sin(a) * np.cos(b), np.sin(b)]) for a, b in zip(*steps, strict=True)]
+    plain = [rotations.perpendiculars(z)[0] for z in axes]
+    assert max(np.linalg.norm(np.diff(plain, axis=0), axis=1)) > 0.5
+    for z in axes:
+        with carried.again():
+            found = rotations.perpendiculars(z), rotations.matched_perpendiculars(z, away)
+        for (x, y), about in zip(found, (z, away), strict=True):
+            np.testing.assert_allclose([x, y, about] @ np.transpose([x, y, about]), np.eye(3), rtol=0, atol=1e-14)
+            np.testing.assert_allclose(np.cross(x, y), about, rtol=0, atol=1e-14)
+        paths.append(found[0][0])
+    assert max(np.linalg.norm(np.diff(paths, axis=0), axis=1)) < 0.01  # axes move by 0.004 a step
+    np.testing.assert_array_equal(paths[0], plain[0])
+    np.testing.assert_array_equal(rotations.perpendiculars(axes[-1])[0], plain[-1])

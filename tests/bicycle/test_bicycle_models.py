@@ -162,7 +162,7 @@ def test_yaml_files(tmp_path):
     path = tmp_path / "mine.yml"
     body = lines(v=3.0).replace(" = ", ": ").replace("\n", "\n  ")
     path.write_text(f"parameterization: benchmark\nvalues:\n  {body}\n")
-    assert replace(Parameters.from_file(path), name="Meijaard2007") == BENCHMARK  # the speed v is no part of it
+    assert replace(Parameters.from_file(path), name="Meijaard2007") == BENCHMARK  # the speed v is not part of it
 
 
 def test_files_of_other_editors_and_programs(tmp_path):

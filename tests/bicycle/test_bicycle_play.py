@@ -1,5 +1,6 @@
 """A bicycle ridden by hand: small motions at all speeds from two, another bicycle under way, falls, the page."""
 
+import inspect
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,7 @@ from helpers.live_views import until
 from bicycle import Meijaard2007, named, on_tyres, play, whipple
 from bicycle.model.kinematics import steer_axis
 from bicycle.rides.rider_mass import carried, faster, lowest
-from mbsd3d import Solution, Stepper, accelerations
+from mbsd3d import Solution, Stepper, accelerations, simulate
 from mbsd3d.extend import main
 from mbsd3d.results.record import RunOptions
 from mbsd3d.run.live_run import Playing
@@ -125,6 +126,24 @@ def test_a_torque_to_the_right_leans_it_to_the_left():
     made.hold("steer torque", 2.0)
     seen = curves(seconds(made, 0.3))
     assert seen["steer"][3] > 0.0 and seen["lean"][-1] < -0.5 and set(seen["rider"]) == {2.0}
+
+
+def test_a_beginner_who_holds_the_key_stays_up():
+    """With what `play` starts with; 4 s of the whole torque to the right lean and steer it to the left."""
+    made = ridden(assist=inspect.signature(play.play).parameters["assist"].default)
+    made.hold("steer torque", 2.0)
+    seen = curves(seconds(made, 4.0))
+    assert not made.over and -30.0 < seen["lean"][-1] < -5.0 and seen["steer"][-1] < -1.0
+    assert "right to go left" in made.model.controls[0].hint
+
+
+def test_the_speed_of_the_rear_hub_swings_without_energy():
+    """It rises as the bicycle leans into a curve: the hub runs outside the centre of mass, which keeps its speed."""
+    fall = simulate(whipple(P, 5.0, lean_rate=1.2, tyres=TYRES), 0.6, output=61, rtol=1e-8)
+    whole, momentum = fall.energy().kinetic + fall.energy().potential, fall.momentum().linear
+    assert (np.diff(whole) < 1e-5 * whole[0]).all() and whole[-1] > 0.995 * whole[0]  # tyres take, and never give
+    hub, centre = (np.hypot(*v[:, :2].T) for v in (fall.velocity("rear wheel"), momentum / P.mass))
+    assert np.ptp(hub) > 0.3 > 0.1 > np.ptp(centre)
 
 
 def test_pedal_brake_and_speed():

@@ -151,7 +151,7 @@ def test_modes_are_continuous_and_each_is_used_once(name):
     for k in (0, 80, 240):
         A = linear.A(speeds[k])
         assert np.abs(A @ vectors[k] - vectors[k] * values[k]).max() < 1e-10 * np.abs(A).max()
-    # near a double root modes move as the root of the distance: there a step of 0.05 m/s is no measure
+    # near a double root modes move as the root of the distance: there a step of 0.05 m/s is not a measure
     q = critical.quartic(linear.M, linear.C1, linear.g * linear.K0, linear.K2)
     meet = np.array([x.speed for x in double_roots(q)])
     away = np.array([np.abs(meet - v).min(initial=9.0) > 0.15 for v in (speeds[1:] + speeds[:-1]) / 2])

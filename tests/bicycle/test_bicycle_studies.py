@@ -754,7 +754,7 @@ def test_a_page_shows_what_ideal_wheels_leave_out(tmp_path):
     assert skate.exit_code == 0 and "4.292383 ... 6.024262 m/s  4.254140 ... 5.956966 m/s" in skate.output
     assert "not possible: bicycle 'Tms': IRyy and IFyy = 0: on a tyre a wheel turns freely" in skate.output
     page = (tmp_path / "compare" / "index.html").read_text()
-    assert "4.254 … 5.957" in page and "What ideal wheels leave out" in page and "not possible" in page
+    assert "4.254 … 5.957" in page and "Effects that ideal wheels leave out" in page and "not possible" in page
     first, second = (tmp_path / "compare" / "bicycles.csv").read_text().splitlines()[1:]
     assert float(first.split(",")[5]) == pytest.approx(4.25414, abs=1e-5) and second.split(",")[5] == "nan"
     assert (tmp_path / "compare" / "ideal_or_tyres_Meijaard2007.png").stat().st_size > 20_000

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -111,9 +112,9 @@ def test_demos_are_listed_by_family_with_their_questions(arguments):
     lines = call("demo", *arguments).stdout.splitlines()
     families = discover().families()
     assert [line for line in lines if line and not line.startswith(" ")] == [f"{family}:" for family in families]
-    names = [demo.name for demos in families.values() for demo in demos]
-    assert [line.split()[0] for line in lines if line.startswith("  ")] == names
-    assert sum(line.endswith("?") for line in lines) > 40
+    shown = [tuple(line.split(maxsplit=1)) for line in lines if line.startswith("  ")]
+    assert shown == [(demo.name, demo.question) for demos in families.values() for demo in demos]
+    assert len(shown) > 40
 
 
 def test_a_demo_as_json_is_one_object_and_writes_nothing(folder):
@@ -134,6 +135,11 @@ def test_a_demo_without_a_term_shows_what_is_lost(folder):
     assert result.exit_code == 0 and found["without"] == "gyroscopic"
     assert abs(found["quantities"]["bearing_force_N"]["computed"]) < 1e-6
     assert (folder / "here" / "dynamic_unbalance_without_gyroscopic.png").exists()
+
+
+def test_a_demo_without_a_term_differs_as_it_should(folder):
+    result = call("demo", "dynamic_unbalance", "--without", "gyroscopic")
+    assert result.exit_code == 0 and "differs, as it should" in result.stdout and "FAIL" not in result.stdout
 
 
 def test_a_demo_prints_its_table_and_writes_figure_and_data(folder):
@@ -408,7 +414,9 @@ def test_commands_of_other_packages_join(plugins):
 
 def test_broken_commands_are_named_in_one_line(plugins, folder):
     listed = " ".join(call("--help").stdout.split())
-    assert "ModuleNotFoundError: No module named 'no_such_package'" in listed and "gives a int, not a Command" in listed
+    assert (
+        "ModuleNotFoundError: No module named 'no_such_package'" in listed and "gives an int, not a Command" in listed
+    )
     expect_one_line(call("lost", "--any", "thing"), "command 'lost' of .*cannot be loaded: ModuleNotFoundError")
     expect_one_line(call("refuse"), "wheel 'front': radius is 0")
 
@@ -452,3 +460,24 @@ def test_long_commands_say_every_few_seconds_that_they_work(folder, monkeypatch)
     _, errors = running.communicate(timeout=120)
     assert running.returncode == 0
     assert 2 <= len(re.findall(r"mbsd3d: (check|start): at work for \d+ s\n", errors)) <= 12
+
+
+def all_commands(group, path=()):
+    context = click.Context(group)
+    for name in group.list_commands(context):
+        command = group.get_command(context, name)
+        yield (*path, name), command
+        if isinstance(command, click.Group):
+            yield from all_commands(command, (*path, name))
+
+
+def test_the_help_of_every_command_has_an_example_and_says_whole_sentences():
+    for path, command in all_commands(main):
+        shown = call(*path, "--help").stdout
+        assert "..." not in shown.partition("Commands:")[2], path
+        if isinstance(command, click.Group):
+            continue
+        example = " ".join(shown.partition("Example: ")[2].split())
+        assert example.startswith(f"mbsd3d {' '.join(path)}"), path
+        given = [word for word in shlex.split(example) if word.startswith("--")]
+        assert set(given) <= {option for x in command.params for option in x.opts}, path

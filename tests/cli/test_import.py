@@ -46,7 +46,7 @@ def test_models_go_from_format_to_format(folder):
         (("model.toml", "--to", "a.txt"), "--to a.txt: the name ends in no format; give .toml, .json, .xml, .urdf"),
         (("model.toml", "--to", "model.toml"), "exists; give --replace to replace it"),
         (("model.toml", "--to", "a.json", "--omit", "hinge"), "--omit is for formats of other programs"),
-        (("model.toml", "--to", "a.sdf", "--massless"), "--massless is for .urdf"),
+        (("model.toml", "--to", "a.xml", "--massless"), "--massless is for .urdf and .sdf"),
         (("cart.json", "--to", "a.sdf"), "SDF cannot hold joint 'edge' .*give --omit 'edge', or change the system"),
         (("ball.json", "--to", "a.urdf"), "give --massless"),
         (("model.txt", "--to", "a.sdf"), r"give a model \(.json, .toml, .xml, .mjcf, .urdf, .xacro, .sdf\)"),

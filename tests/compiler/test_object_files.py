@@ -1,6 +1,8 @@
 """Compiled code on disk: damaged, without room, or written by two at once, it is compiled anew and never wrong."""
 
 import errno
+import subprocess
+import sys
 from types import SimpleNamespace
 
 import numba
@@ -27,6 +29,37 @@ def kept(tmp_path):
 def test_code_is_read_back(kept):
     again = fresh(kept[0])
     assert again(3.0, 4.0) == 6.0 and hits(again) == 1
+
+
+SCRIPT = """
+import sys
+from pathlib import Path
+import numba
+import numpy as np
+from mbsd3d.extend import keep_code
+
+def scaled(A, b, power):
+    if b.size != A.shape[0]:
+        raise ValueError("sizes differ")
+    return (A[0] * b ** power).sum() // 0.3
+
+function = keep_code(numba.njit(scaled), Path(sys.argv[1]))
+A, b = np.array([[2.0, 0.3], [0.4, 3.1]]), np.array([0.7, -1.9])
+print(function(A, b, 3))
+try:
+    function(A, b[:1], 3)
+except ValueError as error:
+    print(error)
+print(sum(function.stats.cache_hits.values()), "numba.np.arraymath" in sys.modules)
+"""
+
+
+def test_a_process_that_compiles_nothing_does_not_load_the_compiler(tmp_path):
+    """Code that allocates, calls functions of numba, and raises, works as where it was compiled."""
+    (tmp_path / "scaled.py").write_text(SCRIPT)
+    command = [sys.executable, str(tmp_path / "scaled.py"), str(tmp_path / "code")]
+    (*first, said), (*again, then) = (subprocess.check_output(command, text=True).splitlines() for _ in range(2))
+    assert first == again and first[-1] == "sizes differ" and (said, then) == ("0 True", "1 False")
 
 
 @pytest.mark.parametrize("share", [0.0, 0.01, 0.5, 0.999])

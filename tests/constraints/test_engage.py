@@ -256,7 +256,7 @@ def test_what_cannot_engage_is_refused():
         with pytest.raises(ValueError, match=text):
             system.engage(joint, state)
     for wrong, text in (
-        (None, "not a State"), ("now", "not a State"), (System([other]).state(), "1 bodies, the system has 2"),
+        (None, "not a State"), ("now", "not a State"), (System([other]).state(), "1 body, the system has 2"),
     ):  # fmt: skip
         with pytest.raises(ValueError, match=text):
             system.engage(Fixed(upper, lower, at=(0, 0, 0)), wrong)

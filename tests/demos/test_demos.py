@@ -185,6 +185,9 @@ def test_the_table_shows_units_errors_and_failures():
     assert [cell.strip() for cell in lines[0].split("|")] == ["quantity", "computed", "theory", "error"]
     assert "length [m]" in lines[2] and "FAIL" not in lines[2]
     assert "ratio " in lines[3] and lines[3].endswith("FAIL, limit 1e-09")
+    assert table([Row("shift", -0.0, 1.0 / 3.0, 1e-9)], beyond="differs").splitlines()[2].split(" | ")[1:] == [
+        "       0", "0.333333", "3.3e-01  differs",
+    ]  # fmt: skip
     assert len({line.index("|") for line in lines if "|" in line}) == 1
 
 
@@ -385,6 +388,13 @@ def test_the_top_meets_its_theory_from_any_tilt():
         assert own_demos()["heavy_top"].run(tilt_deg=tilt).passed
     with pytest.raises(InputError, match="does not lie between 0 and 180"):
         own_demos()["heavy_top"].run(tilt_deg=0)
+
+
+def test_beats_tell_of_the_first_parameters_alone():
+    demo = own_demos()["ball_holonomy"]
+    assert [says for _, says in demo.run().views["ball_holonomy"].options["captions"]] == [x.says for x in demo.beats]
+    others = [demo.run(rho=0.2), demo.run(demo.ablation.term)]
+    assert all("captions" not in show.options for other in others for show in other.views.values())
 
 
 def test_curves_of_the_handles_have_their_colours():

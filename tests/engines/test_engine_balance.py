@@ -105,7 +105,7 @@ def test_the_mount_is_unique_and_the_bearings_are_not(pins):
 
 
 def test_one_cylinder_against_newton_and_euler():
-    """phasor against the forces of validation.theory, which are no series."""
+    """phasor against the forces of validation.theory, which are not series."""
     engine, g = Engine("single", **GENERAL), (1.3, -9.81)
     one = SliderCrank(*(GENERAL[name] for name in (
         "radius", "rod_length", "crank_mass", "crank_centre", "rod_mass", "rod_fraction", "rod_inertia", "piston_mass"

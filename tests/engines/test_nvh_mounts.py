@@ -1,6 +1,7 @@
 """Powertrains on mounts: closed forms, mean crank train, linear map against the full motion, torque-roll axis."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -246,6 +247,9 @@ def test_the_command_writes_a_page(tmp_path):
     assert found.exit_code == 0, found.output
     assert "modes on the mounts" in found.output and "main 2" in found.output
     page = (tmp_path / "single-motorcycle.html").read_text(encoding="utf-8")
+    places = re.findall(r'<a href="#(\w+)">', page)
+    assert len(places) >= 4 and re.findall(r'<section class="whole" id="(\w+)">', page) == places
+    assert page.count("<main>") == 1
     assert (
         page.count("<svg") == 6
         and "single-motorcycle-view.html" in page

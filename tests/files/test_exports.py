@@ -33,6 +33,8 @@ from mbsd3d import (
     Gear,
     KnifeEdge,
     Limit,
+    Planar,
+    PointOnLine,
     Prismatic,
     RackPinion,
     Revolute,
@@ -247,7 +249,7 @@ def test_what_a_format_cannot_hold_is_named_and_left_out_on_request(write, more,
         getattr(system, write)()
     name = next(iter(more.values()))
     assert getattr(system, write)(leave_out=[name]).inactive == (name,)
-    with pytest.raises(ValueError, match="'nothing' is no joint or force of the system; there are '"):
+    with pytest.raises(ValueError, match="'nothing' is not a joint or force of the system; there are '"):
         getattr(system, write)(leave_out=["nothing"])
 
 
@@ -361,7 +363,8 @@ def test_trees_in_sdf_are_read_back(tmp_path, seed):
     system = random_tree(seed, SDF_JOINTS[:-1], springs=True)
     made = system.to_sdf(tmp_path / "model.sdf")
     found = read_sdf(made.path)
-    assert found.said == () and found.inactive == ""
+    floats = ("b0 floats; floating=False fixes, floating=True says so",) if seed % 2 else ()
+    assert found.said == floats and found.inactive == ""
     assert sorted(type(x).__name__ for x in found.system.joints) == sorted(
         type(x).__name__ for x in system.joints if not isinstance(x, Fixed)
     )
@@ -428,10 +431,50 @@ def test_two_hinges_over_a_body_without_mass_are_one_joint_in_sdf(tmp_path, turn
         System([one, cross], [hinges[0]]).to_sdf()
 
 
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("kind", [Cylindrical, Planar])
+def test_slides_and_a_hinge_over_massless_links_are_exact_in_sdf(tmp_path, kind, turned):
+    rng = np.random.default_rng(13)
+    one, two, axis = body(rng, "one"), body(rng, "two"), direction(rng)
+    ends = [(GROUND, one), (one, two)]
+    along = {"axis" if kind is Cylindrical else "normal": axis}
+    joints = [
+        kind(*(pair[::-1] if turned else pair), at=rng.normal(size=3), **along, name=name)
+        for pair, name in zip(ends, ("outer", "inner"), strict=True)
+    ]
+    system = System([one, two], joints, limits=[Limit(joints[0], "angle", -1.0)])
+    made = system.to_sdf(tmp_path / "model.sdf", massless=True)
+    assert made.inactive == ("limit of 'outer'",) and list(made.frames) == ["one", "two"]
+    read = read_sdf(made.path).system
+    assert read.check().mobility == system.check().mobility == (4 if kind is Cylindrical else 6)
+    driven = [read.name(x) for x in read.joints]
+    assert read_back_by_coordinates(system, made, read, driven, count=5) < TOLERANCE
+
+
+def test_a_body_without_mass_is_a_link_of_sdf_on_request(tmp_path):
+    rng = np.random.default_rng(14)
+    bare, one = Body("bare", 0.0, (0, 0, 0), position=(0, 0, 1)), body(rng, "one")
+    slide = Prismatic(GROUND, bare, at=(0, 0, 0), axis=direction(rng), name="slide")
+    system = System([bare, one], [slide, Revolute(bare, one, at=rng.normal(size=3), axis=direction(rng), name="hinge")])
+    with pytest.raises(ValueError, match="body 'bare': its mass is 0.*or massless=True"):
+        system.to_sdf()
+    made = system.to_sdf(tmp_path / "model.sdf", massless=True)
+    read = read_sdf(made.path).system
+    assert read_back_by_coordinates(system, made, read, ["slide", "hinge"], count=5) < TOLERANCE
+
+
 @pytest.mark.parametrize(
     ("part", "message"),
     [
-        (lambda b: Cylindrical(GROUND, b, at=(0, 0, 0), axis=(1, 0, 0), name="x"), "the format has no such joint"),
+        (lambda b: PointOnLine(GROUND, b, at=(0, 0, 0), axis=(1, 0, 0), name="x"), "the format has no such joint"),
+        (
+            lambda b: Cylindrical(GROUND, b, at=(0, 0, 0), axis=(1, 0, 0), name="x"),
+            "it takes links without mass, which Gazebo refuses; give massless=True",
+        ),
+        (
+            lambda b: Revolute(GROUND, b, at=(0, 0, 0), axis=(1, 0, 0), reflected_inertia=0.1, name="x"),
+            "its reflected inertia has no place in the format; set it to 0",
+        ),
         (
             lambda b: Spherical(GROUND, b, at=(0, 0, 0), at_b=(0, 0, 1e-3), name="x"),
             "its parts do not meet at the reference pose",
@@ -442,6 +485,25 @@ def test_what_sdf_cannot_hold_is_named(part, message):
     bob = Body("bob", 1.0, (0.1, 0.1, 0.1))
     with pytest.raises(ValueError, match=f"SDF cannot hold joint 'x' .*: {message}"):
         System([bob], [part(bob)]).to_sdf()
+
+
+def test_reflected_inertias_are_written_or_refused():
+    """Armature in the tree of MJCF, of a ball the same about all axes; nowhere in URDF and SDF."""
+    bob, rod = (Body(name, 1.0, (0.1, 0.1, 0.1), position=(k, 0, 0)) for k, name in enumerate(("bob", "rod")))
+    ball = Spherical(GROUND, bob, at=(0, 0, 0), reflected_inertia=0.3, name="ball")
+    assert 'armature="0.3"' in System([bob], [ball]).to_mjcf().text
+    hinge = Revolute(GROUND, bob, at=(0, 0, 0), axis=(0, 1, 0), reflected_inertia=0.3, name="hinge")
+    for write in ("to_urdf", "to_sdf"):
+        with pytest.raises(
+            ValueError, match="cannot hold joint 'hinge' .*: its reflected inertia has no place in the format"
+        ):
+            getattr(System([bob], [hinge]), write)()
+    more = [
+        Revolute(bob, rod, at=(0.5, 0, 0.2), axis=(0, 1, 0), reflected_inertia=0.1, name="elbow"),
+        Revolute(rod, GROUND, at=(1.2, 0, 0), axis=(0, 1, 0), reflected_inertia=0.2, name="foot"),
+    ]
+    with pytest.raises(ValueError, match="closes a loop, and MuJoCo has armature in the tree only"):
+        System([bob, rod], [hinge, *more]).to_mjcf()
 
 
 def test_names_that_sdf_reserves_are_changed_and_mapped_back(tmp_path):

@@ -275,7 +275,7 @@ def test_a_class_or_function_of_the_user_is_refused():
             pass
 
     body = Body("door", 1.0, (1, 1, 1), shape=OwnShape())
-    with pytest.raises(ValueError, match="Body 'door': shape: a OwnShape cannot be written to a file"):
+    with pytest.raises(ValueError, match="Body 'door': shape: an OwnShape cannot be written to a file"):
         describe(System([body]))
     body = Body("door", 1.0, (1, 1, 1))
     with pytest.raises(ValueError, match="Own 'Own 1'.*no classes of your own"):

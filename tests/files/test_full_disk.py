@@ -8,8 +8,8 @@ from contextlib import contextmanager
 import pytest
 from matplotlib.figure import Figure
 
-from bicycle.output import write_table
 from mbsd3d import GROUND, RK4, Body, Revolute, System, save_figure, simulate, sweep
+from mbsd3d.extend import write_table
 
 OLD = b"of the last run"
 ROOM = 256  # bytes that still fit: the disk is full in the middle of every file

@@ -2,35 +2,28 @@
 
 import numpy as np
 import pytest
-from helpers.mujoco_states import difference
+from helpers.mujoco_states import closed, difference, held_by, numbers, rigid, with_key
 from helpers.refused_xml import INERTIAL
 from numpy.polynomial import polynomial as poly
 
-from mbsd3d import Coupler, Prismatic, RotationSpring, SumSpring, read_mjcf, read_urdf, simulate
+from mbsd3d import (
+    Coupler,
+    Prismatic,
+    RotationSpring,
+    RotationStop,
+    Spherical,
+    SumSpring,
+    SumStop,
+    read_mjcf,
+    read_urdf,
+    simulate,
+)
 
 mujoco = pytest.importorskip("mujoco")
 
 TOLERANCE = 1e-11  # [1] of the largest acceleration: rounding of two formulations
 ARMS = [("a", "hinge", 'ref="0.2"'), ("b", "slide", 'ref="0.1"'), ("c", "slide", ""), ("d", "hinge", "")]
 """Four bodies on joints of their own, which couplings tie."""
-
-
-def numbers(values):
-    return " ".join(repr(float(x)) for x in values)
-
-
-def with_key(folder, text, qpos, qvel):
-    """(imported system, its state, MuJoCo's model and data) at joint positions and velocities."""
-    key = f'<keyframe><key name="k" qpos="{numbers(qpos)}" qvel="{numbers(qvel)}"/></keyframe>'
-    text = text.replace("</mujoco>", f"{key}</mujoco>")
-    path = folder / "model.xml"
-    path.write_text(text)
-    model = mujoco.MjModel.from_xml_string(text)
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, 0)
-    mujoco.mj_forward(model, data)
-    found = read_mjcf(path)
-    return found, found.states["k"], model, data
 
 
 def arms(rules):
@@ -40,16 +33,6 @@ def arms(rules):
         for i, (k, kind, ref) in enumerate(ARMS)
     )
     return f'<mujoco><compiler angle="radian"/><worldbody>{bodies}</worldbody>{rules}</mujoco>'
-
-
-def rigid(model, data, J, gamma):
-    """Put the accelerations of MuJoCo's own M and loads under rigid rows J qacc = gamma into the data."""
-    M = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, M)
-    saddle = np.block([[M, J.T], [J, np.zeros((len(J), len(J)))]])
-    load = data.qfrc_passive - data.qfrc_bias
-    data.qacc[:] = np.linalg.solve(saddle, np.concatenate([load, gamma]))[: model.nv]
-    mujoco.mj_rnePostConstraint(model, data)
 
 
 RULES = [("b", "a", (0.3, -1.5, 0.2, 0.1, -0.05)), ("c", "b", (-0.2, 0.4, 0.0, 0.3)), ("d", "c", (0.1, 0.0, -0.7))]
@@ -115,14 +98,126 @@ def test_fixed_tendons_hold_sums_of_joints(tmp_path):
     assert simulate(found.system, 0.05, state=start).certificate.passed
 
 
-def test_an_equality_of_too_many_bodies_is_named(tmp_path):
-    five = (
-        '<tendon><fixed name="all">' + "".join(f'<joint joint="{k}" coef="1"/>' for k in "abcd") + "</fixed></tendon>"
+KINDS = ("hinge", "slide", "hinge", "ball", "hinge", "slide", "hinge")
+
+
+def tree(rules="", kinds=KINDS, more="", root=""):
+    """Two branches of joints on a base, which is free with ``root``; joint k stands on axes of its own."""
+
+    def branch(numbers):
+        inner = ""
+        for k in reversed(numbers):
+            axis = "" if kinds[k] == "ball" else f'axis="1 -0.{k} 0.{9 - k}" ref="0.{k}"'
+            joint = f'<joint name="j{k}" type="{kinds[k]}" pos="0.1 0 0.0{k}" {axis} {more}/>'
+            place = f'pos="0.3 0.{k} 0.1" quat="0.9 0.1 0.{k} -0.2"'
+            inner = f'<body name="l{k}" {place}>{joint}{INERTIAL.format(1 + 0.3 * k)}{inner}</body>'
+        return inner
+
+    half = len(kinds) // 2
+    base = f'<body name="base" pos="0.2 0.1 0.5">{root}{INERTIAL.format(3)}{branch(range(half))}' if root else ""
+    rest = branch(range(half, len(kinds)))
+    bodies = f"{base}{rest}</body>" if root else branch(range(half)) + rest
+    return f'<mujoco><compiler angle="radian"/><worldbody>{bodies}</worldbody>{rules}</mujoco>'
+
+
+LONG = ("j0", "j1", "j2", "j4", "j5", "j6")
+
+
+@pytest.mark.parametrize("root", ["", '<joint type="free" name="float"/>'])
+@pytest.mark.parametrize("curved", [False, True])
+def test_equalities_of_many_joints_are_those_of_mujoco(tmp_path, curved, root):
+    """Two tendons of six joints on two branches, tied by a line or a polynomial; a third one is held."""
+    weights = {"one": (0.9, -0.4, 0.7, 0.5, -1.2, 0.8), "two": (0.3, 0.6, -0.5, 1.1, 0.4, -0.7)}
+    cubic = np.array([0.07, 0.6, 0.4, -0.2, 0.1] if curved else [0.07, 0.6, 0, 0, 0])
+    tendons = "".join(
+        f'<fixed name="{name}">'
+        + "".join(f'<joint joint="{j}" coef="{w}"/>' for j, w in zip(LONG, row, strict=True))
+        + "</fixed>"
+        for name, row in weights.items()
     )
-    text = arms(five + '<equality><tendon name="sum" tendon1="all"/></equality>')
-    (tmp_path / "model.xml").write_text(text)
-    with pytest.raises(ValueError, match=r"equality: sum \(tendon\), between 5 bodies .*at most 4"):
-        read_mjcf(tmp_path / "model.xml")
+    rules = f"""<tendon>{tendons}</tendon><equality>
+      <tendon name="tied" tendon1="one" tendon2="two" polycoef="{numbers(cubic)}"/></equality>"""
+    text = tree(rules, root=root)
+    model = mujoco.MjModel.from_xml_string(text)
+    places = [model.joint(name).qposadr[0] for name in LONG]
+
+    def residual(q):
+        y, x = (np.array(weights[name]) @ (q - model.qpos0)[places] for name in ("one", "two"))
+        return np.array([y - poly.polyval(x, cubic)])
+
+    rng = np.random.default_rng(12)
+    for _ in range(3):
+        start = closed(model, model.qpos0 + 0.4 * rng.normal(size=model.nq), rng.normal(size=model.nv), residual)
+        found, state, model, data = with_key(tmp_path, text, *start)
+        assert np.abs(data.efc_pos).max() < 1e-13  # MuJoCo has the equality so
+        held_by(model, data, residual)
+        named = [f"l{k}" for k in range(len(KINDS))]
+        assert difference(found.system, state, model, data, named) < TOLERANCE
+    assert found.system.check().mobility == model.nv - 1
+    sums = [body for body in found.system.bodies if "sum" in body.name]
+    assert sums and all(body.mass == 0.0 for body in sums)
+    assert f"joints of tendons are added up by {len(sums)} bodies without mass" in found.said
+    run = simulate(found.system, 0.05, state=state)
+    assert run.certificate.passed, run.certificate
+    assert abs(residual(qpos_of(run, model))) < 1e-9
+
+
+def qpos_of(run, model):
+    """Hinges and slides at the end of a run as MuJoCo counts them; other coordinates stay."""
+    q = model.qpos0.copy()
+    for name in LONG:
+        value = run.slide(name) if model.joint(name).type[0] == mujoco.mjtJoint.mjJNT_SLIDE else run.angle(name)
+        q[model.joint(name).qposadr[0]] += value[-1]
+    return q
+
+
+@pytest.mark.parametrize("root", ["", '<joint type="free" name="float"/>'])
+@pytest.mark.parametrize("joints", [("j0", "j1"), LONG])
+def test_armature_and_friction_of_tendons_are_those_of_mujoco(tmp_path, joints, root):
+    """M + a J'J, and a load of the size of the friction along the tendon while it slips."""
+    rng = np.random.default_rng(21)
+    weights = rng.uniform(0.4, 1.2, len(joints)) * rng.choice([1, -1], len(joints))
+    terms = "".join(f'<joint joint="{j}" coef="{numbers([w])}"/>' for j, w in zip(joints, weights, strict=True))
+    cord = '<tendon><fixed name="cord" armature="0.7" {}>{}</fixed></tendon>'
+    plain = mujoco.MjModel.from_xml_string(tree(cord.format("", terms), root=root))
+    dofs = [plain.joint(name).dofadr[0] for name in joints]
+    for friction in (0.0, 2.5):
+        text = tree(cord.format(f'frictionloss="{friction}"' if friction else "", terms), root=root)
+        q = plain.qpos0.copy()
+        mujoco.mj_integratePos(plain, q, rng.normal(size=plain.nv), 0.7)
+        v = rng.normal(size=plain.nv)
+        v[dofs] -= weights * (weights @ v[dofs] + 1.0) / (weights @ weights)  # the tendon shortens by 1 m/s
+        found, state, _, there = with_key(tmp_path, text, q, v)
+        data = mujoco.MjData(plain)
+        data.qpos[:], data.qvel[:], data.qfrc_applied[dofs] = there.qpos, there.qvel, friction * weights
+        mujoco.mj_forward(plain, data)
+        if joints == LONG:  # between branches MuJoCo leaves the armature out of M
+            bare = mujoco.MjModel.from_xml_string(tree(root=root))
+            its, M = mujoco.MjData(bare), np.zeros((plain.nv, plain.nv))
+            its.qpos[:] = data.qpos
+            mujoco.mj_forward(bare, its)
+            mujoco.mj_fullM(bare, its, M)
+            M[np.ix_(dofs, dofs)] += 0.7 * np.outer(weights, weights)
+            data.qacc[:] = np.linalg.solve(M, data.qfrc_applied + data.qfrc_passive - data.qfrc_bias)
+        mujoco.mj_rnePostConstraint(plain, data)
+        assert difference(found.system, state, plain, data, [f"l{k}" for k in range(len(KINDS))]) < TOLERANCE
+        run = simulate(found.system, 0.02, state=state)
+        assert run.certificate.passed, run.certificate
+    assert "dry friction of 1 joint yields by 0.001 rad or m at rest" in found.said
+    assert (joints == LONG) == any("'cord' couples branches" in x for x in found.said)
+
+
+def test_tendons_that_share_a_joint_are_tied(tmp_path):
+    """Its coefficients add up, in one row."""
+    rules = """<tendon><fixed name="one"><joint joint="a" coef="0.7"/><joint joint="b" coef="1"/></fixed>
+      <fixed name="two"><joint joint="a" coef="0.5"/><joint joint="c" coef="2"/></fixed></tendon>
+      <equality><tendon tendon1="one" tendon2="two" polycoef="0 2 0 0 0"/></equality>"""
+    found, state, model, data = with_key(tmp_path, arms(rules), [0.2, 0.1, 0, 0], [2.0, 1.0, 0.1, 0.5])
+    rigid(model, data, np.array([[0.7 - 1.0, 1.0, -4.0, 0.0]]), [0.0])
+    state = found.system.assemble(rates={"a": 2.0, "b": 1.0, "d": 0.5})
+    assert difference(found.system, state, model, data) < TOLERANCE
+    (tie,) = found.system.joints[4:]
+    assert isinstance(tie, Coupler) and tie.y_weights == pytest.approx((-0.3, 1.0, -4.0))
 
 
 def test_springs_and_dampers_of_sums_are_those_of_mujoco(tmp_path):
@@ -197,6 +292,36 @@ def test_armatures_on_moving_parents_are_those_of_mujoco(tmp_path):
         assert run.certificate.passed, run.certificate
 
 
+def test_armatures_of_balls_are_those_of_mujoco(tmp_path):
+    """Balls and hinges in rows and branches on a floating base and on the ground; file out and in again."""
+    bodies = f"""<body name="a" pos="0.3 0.1 -0.2" quat="0.5 0.1 0.7 0.3">
+      <joint name="p" type="ball" pos="0.1 0 0" armature="0.6"/>{INERTIAL.format(1.4)}
+      <body name="b" pos="-0.3 0.1 0.2" quat="0.5 0.6 0.7 0.3">
+        <joint name="q" axis="2 -1 0.4" pos="0 0.1 0" armature="0.3"/>{INERTIAL.format(1.1)}
+        <body name="c" pos="-0.3 0.1 0.2" quat="0.2 -0.6 0.1 0.3">
+          <joint name="r" type="ball" pos="0 0.1 0" armature="1.3"/>{INERTIAL.format(0.8)}</body></body>
+      <body name="d" pos="0.2 0.4 0.1"><joint name="s" type="slide" axis="1 2 3"/>
+        <joint name="t" type="ball" pos="0 0.1 0.2" armature="0.2"/>{INERTIAL.format(0.5)}</body></body>"""
+    base = '<body name="base" pos="0.3 0.2 0.9"><joint type="free" name="float"/>'
+    rng = np.random.default_rng(5)
+    for whole in (bodies, f"{base}{INERTIAL.format(3.1)}{bodies}</body>"):
+        text = f"<mujoco><option gravity='0.7 -0.4 -9.6'/><worldbody>{whole}</worldbody></mujoco>"
+        model = mujoco.MjModel.from_xml_string(text)
+        for _ in range(3):
+            qpos, data = model.qpos0.copy(), mujoco.MjData(model)
+            mujoco.mj_integratePos(model, qpos, rng.normal(size=model.nv), 1.5)
+            found, state, model, data = with_key(tmp_path, text, qpos, 4.0 * rng.normal(size=model.nv))
+            mujoco.mj_rnePostConstraint(model, data)
+            assert difference(found.system, state, model, data, ["a", "b", "c", "d"]) < 1e-12
+        run = simulate(found.system, 0.2, state=state)
+        assert run.certificate.passed, run.certificate
+        again = read_mjcf(found.system.to_mjcf(tmp_path / "again.xml", replace=True).path).system
+        balls = [
+            [x.reflected_inertia for x in each.joints if isinstance(x, Spherical)] for each in (found.system, again)
+        ]
+        assert sorted(balls[0]) == sorted(balls[1]) == [0.2, 0.6, 1.3]
+
+
 def test_mimics_of_slides_with_an_offset(tmp_path):
     """Two fingers: the second one starts at its offset and moves by its multiplier."""
     link = '<link name="{}"><inertial><mass value="{}"/><inertia ixx="0.1" iyy="0.1" izz="0.1"/></inertial></link>'
@@ -237,3 +362,63 @@ def test_limits_become_stops(tmp_path):
     assert len(watched.system.limits) == 2
     with pytest.raises(ValueError, match="limits"):
         read_mjcf(path, limits="hard")
+
+
+def test_limits_of_balls_and_tendons_become_stops(tmp_path):
+    """The turn of the ball and the length of the tendon stay within their ranges, as far as MuJoCo measures them."""
+    text = f"""<mujoco><compiler angle="radian"/><worldbody><body name="head" quat="0.8 0.1 0.3 -0.2">
+      <joint name="neck" type="ball" range="0 0.7"/>{INERTIAL.format(1)}</body>
+      <body name="one" pos="2 0 0"><joint name="a" axis="0.3 1 0.2" ref="0.2"/>{INERTIAL.format(1)}
+        <body name="two" pos="0.4 0 0"><joint name="b" axis="0 1 0.3"/>{INERTIAL.format(2)}</body></body></worldbody>
+      <tendon><fixed name="string" range="-0.4 0.5"><joint joint="a" coef="0.5"/><joint joint="b" coef="-1"/></fixed>
+      <fixed name="seen" range="0 1"><joint joint="a" coef="1"/></fixed></tendon></mujoco>"""
+    path = tmp_path / "model.xml"
+    path.write_text(text)
+    with pytest.warns(UserWarning, match="inactive: 3 limits$"):
+        read_mjcf(path)
+    found = read_mjcf(path, limits="stop")
+    assert [type(force) for force in found.system.forces] == [RotationStop, SumStop, SumStop]
+    assert not found.inactive and any("3 stops" in x for x in found.said)
+    bare = found.system
+    state = bare.assemble(near=bare.state(), rates={"a": -1.0, "b": 2.0})
+    run = simulate(bare, 2.0, state=state, output=401)
+    model = mujoco.MjModel.from_xml_string(text)
+    data, lengths, turns = mujoco.MjData(model), [], []
+    place, ball = [model.joint(x).qposadr[0] for x in "ab"], model.joint("neck").qposadr[0]
+    for R, a, b in zip(run.rotation("head"), run.angle("a"), run.angle("b"), strict=True):
+        data.qpos[place] = a + 0.2, b
+        quat = np.zeros(4)
+        mujoco.mju_mat2Quat(quat, R.ravel())
+        mujoco.mju_negQuat(data.qpos[ball : ball + 4], model.body("head").quat)
+        mujoco.mju_mulQuat(data.qpos[ball : ball + 4], data.qpos[ball : ball + 4].copy(), quat)
+        mujoco.mj_forward(model, data)
+        lengths.append(data.ten_length.copy())
+        turns.append(2.0 * np.arccos(min(1.0, abs(data.qpos[ball]))))
+    lengths = np.array(lengths)
+    assert 0.7 < max(turns) < 0.7 + 10.0 / 300.0  # it meets its limit, at some rad/s
+    assert -0.4 - 10.0 / 300.0 < lengths[:, 0].min() and lengths[:, 0].max() < 0.5 + 10.0 / 300.0
+    assert lengths[:, 0].max() > 0.5 or lengths[:, 0].min() < -0.4
+    assert lengths[:, 1].min() > -10.0 / 300.0 and run.certificate.passed, run.certificate
+    with pytest.raises(ValueError, match="range of neck"):
+        read_mjcf(path, strict=True)
+    left = read_mjcf(path, limits="stop", leave_out=["limit"])
+    assert not left.system.forces and len(left.dropped) == 3
+
+
+def test_loads_of_balls_that_close_loops_are_named(tmp_path):
+    """They count from the zero of the file, and here from where the body starts."""
+    ball = f"""<body name="{{0}}" pos="{{1}} 0 0"><joint name="{{0}}" type="ball" {{2}}/>{INERTIAL.format(1)}</body>"""
+    bodies = ball.format("p", 0, 'stiffness="3" range="0 0.5"') + ball.format("q", 1.2, "")
+    rules = '<equality><connect body1="p" body2="q" anchor="0.5 0.1 0"/></equality>'
+    text = f'<mujoco><compiler angle="radian"/><worldbody>{bodies}</worldbody>{rules}</mujoco>'
+    path = tmp_path / "model.xml"
+    path.write_text(text)
+    assert len(read_mjcf(path, limits="stop").system.forces) == 2  # it is closed as it stands
+    path.write_text(text.replace("<worldbody>", '<worldbody><site name="here" pos="0.5 0.4 0"/>').replace(
+        'body1="p" body2="q" anchor="0.5 0.1 0"', 'site1="here" site2="there"').replace(
+        '<joint name="p"', '<site name="there" pos="0.5 0 0.4"/><joint name="p"'))  # fmt: skip
+    with pytest.raises(ValueError, match="passive: stiffness of p, which has moved to close loops"):
+        read_mjcf(path, limits="stop")
+    with pytest.warns(UserWarning, match="inactive: 1 limit$"):
+        left = read_mjcf(path, limits="stop", leave_out=["passive"])
+    assert not left.system.forces

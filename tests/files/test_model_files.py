@@ -425,7 +425,7 @@ def test_robots_float_or_are_fixed_as_the_options_say(tmp_path):
     fixed = command("check", path, "--fixed")
     assert "mobility 1 " in fixed.stdout and "is fixed" not in fixed.stderr
     wrong = command("check", tmp_path / "hand.toml", "--floating")
-    assert "--floating applies to robots (.urdf, .xacro) only" in wrong.stderr and wrong.exit_code == 2
+    assert "--floating applies to robots (.urdf, .xacro, .sdf) only" in wrong.stderr and wrong.exit_code == 2
     path.write_text(ROBOT.replace('"base"', '"world"'))
     refused = command("check", path, "--floating")
     assert "--floating: the root 'world' is the fixed frame; give --fixed, or a root with a mass" in refused.stderr
@@ -443,6 +443,24 @@ def test_packages_are_found_where_the_option_says(tmp_path):
     assert found.exit_code == 0 and "missing" not in found.stderr
     wrong = command("check", path, "--package-path", tmp_path / "none")
     assert wrong.exit_code == 2 and "--package-path: " in wrong.stderr and "is not a folder" in wrong.stderr
+
+
+def test_limits_become_stops_where_the_option_says(tmp_path):
+    """In a robot, in what is converted, and nowhere in a file that has stops of its own."""
+    path, made = tmp_path / "arm.urdf", tmp_path / "arm.toml"
+    path.write_text(ROBOT)
+    watched = command("check", path, "--fixed", "--limits", "watched")
+    assert watched.exit_code == 0 and "1 limit (watched)" in watched.stderr
+    stopped = command("check", path, "--fixed", "--limits", "stop")
+    assert stopped.exit_code == 0 and "limit (watched)" not in stopped.stderr
+    assert "1 stop, which a speed v enters by v / 300 s or less" in stopped.stderr
+    assert command("import", path, "--fixed", "--limits", "stop", "--to", made).exit_code == 0
+    (stop,) = System.from_file(made).forces
+    assert (stop.lower, stop.upper) == (-1.0, 1.0)
+    run = command("run", path, "--fixed", "--limits", "stop", "--t-end", 2, "--out", tmp_path / "arm.npz")
+    assert run.exit_code == 0 and mbsd3d.load(tmp_path / "arm.npz").angle("hinge").max() < 1.05
+    wrong = command("check", made, "--limits", "stop")
+    assert wrong.exit_code == 2 and "--limits applies to imported models (.xml, " in wrong.stderr
 
 
 def test_files_are_known_by_other_names_too(tmp_path):

@@ -72,7 +72,7 @@ def test_a_model_of_too_many_parts(tmp_path):
     ],
 )
 def test_contents_of_a_ledger(tmp_path, content):
-    """null is no NaN: it is refused, and so is what is no number."""
+    """null is no NaN: it is refused, and so is what is not a number."""
     own = identity(Experiment(lambda mass: STONE, lambda run: 1.0, {}), make_grid({"mass": [1.0, 2.0]}), "")
     book = Ledger(tmp_path / "sweep.db", own, 2)
     book.keep(0, Outcome({"value": float("nan")}))

@@ -96,7 +96,7 @@ def branched(floating):
     sdf = (
         link("base", 3.1, f"<pose>{text_of(r[0], rpy[0])}</pose>")
         + link("upper", 1.4, f'<pose relative_to="base" rotation_format="quat_xyzw">{text_of(r[1], quat)}</pose>')
-        + f'<frame name="flange" attached_to="upper"><pose degrees="true">{text_of(r[2], np.rad2deg(rpy[2]))}</pose>'
+        + f'<frame name="flange" attached_to="upper"><pose degrees="True">{text_of(r[2], np.rad2deg(rpy[2]))}</pose>'
         + "</frame>"
         + link("tool", 0.6, '<pose relative_to="flange"/>')
         + link("ram", 0.8, f'<pose relative_to="shoulder">{text_of(r[3], rpy[3])}</pose>')
@@ -129,7 +129,8 @@ def test_trees_have_the_accelerations_of_mujoco(tmp_path, floating):
     sdf, mjcf = branched(floating)
     found, model = read_sdf(written(tmp_path, sdf)), mujoco.MjModel.from_xml_string(mjcf)
     assert found.system.check().mobility == model.nv == (11 if floating else 5)
-    assert found.said == ("gravity is 9.81 m/s^2 along -z, as the file has no world",)
+    assert found.said[0] == "gravity is 9.81 m/s^2 along -z, as the file has no world"
+    assert found.said[1:] == (("base floats; floating=False fixes, floating=True says so",) if floating else ())
     assert found.points["flange"].body == "upper"
     for seed in range(5):
         data = general_motion(model, seed, angle=0.8)
@@ -269,7 +270,8 @@ WORLD = f"""<world name="w"><gravity>0.5 0 -3</gravity>
 def test_a_world_has_models_gravity_and_states(tmp_path):
     found = read_sdf(written(tmp_path, WORLD, model=False))
     assert [x.name for x in found.system.bodies] == ["one::l", "two::l", "two::hangs"]
-    assert found.system.gravity.tolist() == [0.5, 0.0, -3.0] and found.said == ()
+    assert found.system.gravity.tolist() == [0.5, 0.0, -3.0]
+    assert found.said == ("two::l floats; floating=False fixes, floating=True says so",)  # a stone alone is free
     assert found.system.check().mobility == 13 and found.merged == {"table::l": "ground"}
     state = found.states["later"]
     assert state.t == 2.5 and state.q[7:10].tolist() == [1.0, 2.0, 3.0] and state.v[10] == 2.0
@@ -305,24 +307,27 @@ def test_contact_and_limits_are_inactive_and_looks_are_drawn(tmp_path):
     assert found.system.bodies[0].shape[0].colour == "#ff0000"
     with pytest.raises(ValueError, match="limit: range of j .line 1, <joint>."):
         read_sdf(path, strict=True)
+    with pytest.warns(UserWarning, match="inactive: 1 effort limit, contact"):
+        stopped = read_sdf(path, limits="stop").system
+    assert not stopped.limits and [(stop.lower, stop.upper) for stop in stopped.forces] == [(-1.0, 1.0)]
 
 
 A = link("a", 1.0)
 WRONG = [
-    (A, {"version": "1.6"}, "line 1, <sdf>: version 1.6 places poses and axes in other frames"),
+    (A, {"version": "1.3"}, "line 1, <sdf>: version 1.3 is older than 1.4, whose elements have other names"),
     (A, {"version": "new"}, "<sdf>: version='new' is not 2 finite numbers"),
     ("", {}, "it has no <link>; give links"),
     (A + A, {}, "<link>: the name 'a' another frame has; give another one"),
     (link("world", 1.0), {}, "the name 'world' is reserved or has '::'"),
     (A + joint("j", "hinge", "world", "a"), {}, "joint 'j' is of the type 'hinge'; give one of revolute"),
-    (A + joint("j", "ball", "world", "b"), {}, "<child>: 'b' is no link, joint or frame; name one of this model"),
+    (A + joint("j", "ball", "world", "b"), {}, "<child>: 'b' is not a link, joint or frame; name one of this model"),
     (A + '<joint name="j" type="ball"><child>a</child></joint>', {}, "joint 'j' has no <parent>; name a link"),
     (A + joint("j", "revolute", "world", "a"), {}, "joint 'j' has no <axis>; give it"),
     (A + joint("j", "revolute", "world", "a", axis((0, 0, 0))), {}, "axis of joint 'j' has no length"),
     (
         A + joint("j", "revolute", "world", "a", axis((0, 0, 1), frame="x")),
         {},
-        "<axis>: 'x' is no link, joint or frame",
+        "<axis>: 'x' is not a link, joint or frame",
     ),
     (link("a", 1.0, "<pose>1 2 3</pose>"), {}, "line 1, <pose>='1 2 3' is not 6 finite numbers; correct it"),
     (link("a", 1.0, "<pose>0 0 nan 0 0 0</pose>"), {}, "is not 6 finite numbers"),
@@ -330,11 +335,12 @@ WRONG = [
     (link("a", 1.0, '<pose relative_to="a"/>'), {}, "frame 'a' is placed in itself; cut the chain"),
     ('<frame name="f" attached_to="g"/><frame name="g" attached_to="f"/>' + A, {}, "'[fg]' is .*itself; cut the chain"),
     ('<link name="a"><inertial><mass>-1</mass></inertial></link>', {}, "link 'a': -1 kg; give a finite mass >= 0"),
-    ('<link name="a"><inertial auto="true"/></link>', {}, "the mass follows from the geometry; give <mass>"),
+    ('<link name="a"><inertial auto="true"/></link>', {}, "of link 'a': auto=\"true\" needs a <collision>; give one"),
     ('<link name="a"><inertial><inertia><ixx>-3</ixx></inertia></inertial></link>', {}, "principal moments"),
     (link("a", 1.0, more="<kinematic>1</kinematic>"), {}, "link 'a' is kinematic, no force moves it"),
+    (link("a", 1.0, '<pose degrees="yes">0 0 0 0 0 0</pose>'), {}, "<pose>: degrees: 'yes' is neither true nor false"),
     (A + "<static>maybe</static>", {}, "<static>: 'maybe' is neither true nor false"),
-    (A + "<include><uri>model://table</uri></include>", {}, "model 'model://table' is not read from another file"),
+    (A + "<include><uri>model://table</uri></include>", {}, "<include>: model 'model://table' is not found"),
     (
         A + joint("g", "gearbox", "a", "a", axis((0, 0, 1)) + axis((0, 0, 1), tag="axis2")),
         {},

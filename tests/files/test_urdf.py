@@ -21,6 +21,7 @@ from mbsd3d import (
     Prismatic,
     RackPinion,
     Revolute,
+    Spherical,
     accelerations,
     read_urdf,
     simulate,
@@ -137,6 +138,20 @@ def test_a_floating_robot_has_the_accelerations_of_mujoco(tmp_path, seed):
     assert found.system.total_mass() == pytest.approx(8.8, rel=1e-15)  # the root's mass is there
     assert {type(part) for part in found.system.joints} == {Revolute, Prismatic, Planar}
     data = general_motion(model, seed, angle=2.5)
+    assert difference(found.system, state_of(found.system, model, data), model, data) < TOLERANCE
+
+
+def test_a_spherical_joint_is_a_ball(tmp_path):
+    """No word of the format, but of one of its readers; what its limits are of is not said there."""
+    limit = '<limit lower="-1" upper="1"/>'
+    body = link("base", 3.1) + link("head", 1.4) + joint("neck", "spherical", "base", "head", 7, limit)
+    found = read_urdf(written(tmp_path, body), floating=True)
+    model = mujoco.MjModel.from_xml_string(
+        f"""<mujoco><worldbody><body name="base"><freejoint/>{mjcf_inertial(3.1)}
+        <body name="head" {place(7)[0]}><joint type="ball"/>{mjcf_inertial(1.4)}</body></body></worldbody></mujoco>"""
+    )
+    assert [type(x) for x in found.system.joints] == [Spherical] and found.inactive == "1 limit"
+    data = general_motion(model, 3, angle=2.0)
     assert difference(found.system, state_of(found.system, model, data), model, data) < TOLERANCE
 
 
@@ -508,7 +523,7 @@ WRONG = {
     "comma": (link("a", "1,5"), "value='1,5' is not a finite number"),
     "twice": (link("a", 1.0) * 2, "a second link is named 'a'"),
     "type": (link("a", 1.0) + link("b", 1.0) + joint("j", "ball", "a", "b", 1), "'j' is of the type 'ball'; give"),
-    "no link": (link("a", 1.0) + joint("j", "fixed", "a", "b", 1), "child of joint 'j' is 'b', which is no link"),
+    "no link": (link("a", 1.0) + joint("j", "fixed", "a", "b", 1), "child of joint 'j' is 'b', which is not a link"),
     "two roots": (link("a", 1.0) + link("b", 1.0), "links without a parent: 'a', 'b'"),
     "loop": (
         link("a", 1.0) + link("b", 1.0) + joint("j", "fixed", "a", "b", 1) + joint("k", "fixed", "a", "b", 2),
@@ -529,7 +544,7 @@ WRONG = {
     ),
     "mimic of nothing": (
         link("a", 1.0) + link("b", 1.0) + joint("j", "continuous", "a", "b", 1, '<mimic joint="x"/>'),
-        "follows 'x', which is no joint",
+        "follows 'x', which is not a joint",
     ),
     "negative damping": (
         link("a", 1.0) + link("b", 1.0) + joint("j", "continuous", "a", "b", 1, '<dynamics damping="-1"/>'),

@@ -43,7 +43,7 @@ def executable() -> str:
     chosen = os.environ.get("CHROMIUM")
     if chosen:
         found = shutil.which(chosen)
-        return found or missing(f"CHROMIUM={chosen} is no program; set it to the path of Chromium or Chrome")
+        return found or missing(f"CHROMIUM={chosen} is not a program; set it to the path of Chromium or Chrome")
     found = next(filter(None, map(shutil.which, NAMES)), None)
     return found or missing(
         f"no browser ({', '.join(NAMES)}) on PATH: install one (Debian: apt install chromium) or set CHROMIUM"
@@ -96,8 +96,11 @@ class Visit:
 def visit(
     browser: Any, address: Path | str, *, width: int = 640, height: int = 480, query: str = "", **options: Any
 ) -> Iterator[Visit]:  # fmt: skip
-    """A page of its own context: a file without any network, or an address on this machine (127.0.0.1)."""
+    """A page of its own context: a file without any network, or an address on this machine (127.0.0.1). By default the
+    reader wants it still, so that nothing plays by itself.
+    """
     local = not isinstance(address, Path)
+    options = {"reduced_motion": "reduce", **options}
     context = browser.new_context(offline=not local, viewport={"width": width, "height": height}, **options)
     seen = Visit(context.new_page())
     seen.page.set_default_timeout(PATIENCE)

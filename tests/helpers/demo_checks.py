@@ -9,11 +9,14 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from helpers.beats import CONDITIONS
 from helpers.pages import OUTSIDE, covered, differing, many_pages, scene, seek, shown
 from mbsd3d import Body, System, accelerations
 from mbsd3d.demos.discovery import walk
 from mbsd3d.demos.report import write
 from mbsd3d.extend import Ablation, Curve, Demo, Measured, Quantity
+from mbsd3d.plotting.default_curves import seen_panels
+from mbsd3d.report.mathml import letters
 
 LONG = {  # take a second or more
     *("double_lane_change", "euler_disc_end", "explorer_flat_spin", "fishhook", "rattleback", "roll_bars"),
@@ -76,6 +79,28 @@ def test_it_says_what_a_reader_asks(demo):
     assert 2 <= demo.why.count(". ") + 1 <= 6 and demo.why.endswith((".", ".)"))
     with pytest.raises(ValueError, match=rf"demo '{demo.name}' has no parameter 'nonsense'"):
         demo.run(nonsense=1.0)
+
+
+def test_its_beats_say_what_is_seen_then(demo):
+    run = next(iter(outcome(demo).views.values())).solution
+    story, conditions = demo.story(run), CONDITIONS[demo.name]
+    assert len(story) == len(conditions) >= 2 and story[0][0] == run.t[0]
+    times = [t for t, _ in story]
+    assert times == sorted(set(times)) and times[-1] <= run.t[-1]
+    for (t, says), condition in zip(story, conditions, strict=True):
+        assert says.endswith((".", " ...")) and len(says) < 90, says
+        assert condition is None or condition(run, int(np.argmin(abs(run.t - t)))), says
+
+
+def test_every_letter_of_its_equation_has_a_meaning(demo):
+    assert set(demo.symbols) == letters(demo.equation)
+    run, options = next(iter(outcome(demo).views.values()))
+    panels = [panel for entry in options["curves"] for panel in seen_panels(run, [entry])]
+    for symbol in demo.symbols.values():
+        curve, line = symbol.curve or (0, 0)
+        assert symbol.text and line < len(panels[curve].lines)
+        assert isinstance(symbol.value, str) or isfinite(demo.call(symbol.value, demo.parameters))
+        assert callable(symbol.value) or symbol.value in ("", *demo.parameters)
 
 
 @pytest.mark.slow
@@ -155,6 +180,6 @@ def test_it_is_seen_moving(demo, window, folder):
                 seek(seen, times["first"] + share * times["step"] * (times["count"] - 1))
                 outside = [name for name in seen.run(OUTSIDE) if name.count("/") > 2]
                 # where the camera goes along, ground and paths run out of the picture
-                assert [name for name in outside if not name.startswith(("/traces", f"{ground}/"))] == []
+                assert [name for name in outside if not name.startswith(f"{ground}/") and "/trace" not in name] == []
                 moves = moves or differing(first, scene(seen)) > 0.001 * first[..., 0].size
             assert moves

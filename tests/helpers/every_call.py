@@ -89,7 +89,9 @@ def questions(folder):
     swing = build()
     yield swing.to_mjcf, {"path": folder / "made.xml", "leave_out": ["hinge"], "replace": True}
     yield swing.to_urdf, {"path": folder / "made.urdf", "massless": False, "leave_out": (), "replace": True}
-    yield swing.to_sdf, {"path": folder / "made.sdf", "leave_out": list(swing.joints), "replace": True}
+    yield swing.to_sdf, {
+        "path": folder / "made.sdf", "massless": True, "leave_out": list(swing.joints), "replace": True
+    }  # fmt: skip
     yield m.System.from_file, {"path": folder / "model.json"}
     yield SYSTEM.export_glb, {"path": folder / "model.glb"}
     yield (

@@ -84,6 +84,8 @@ def parts():
     yield m.SpeedDriver, pair | along | {"speed": 0.3} | name
     yield m.SpeedDriver, pair | here | {"direction": (1, 0, 0), "speed": 0.3} | name
     yield m.PositionDriver, {"body": BAR, "signal": (0, None, 0.1)} | here | name
+    yield m.OrientationDriver, pair | {"signal": (0, m.Ramp(0.3), 0.1)} | name
+    yield m.OrientationDriver, pair | {"signal": (0.2,), "axes": ((1, 0, 0),)} | name
     yield m.Force, {"body": BAR, "force": (0, 0, 1), "frame": "body"} | here | name
     yield m.Torque, {"body": BAR, "torque": (0, 0, 1), "frame": "body"} | name
     yield m.SpringDamper, pair | {
@@ -100,10 +102,28 @@ def parts():
     yield m.Limit, {"joint": HINGE, "kind": "angle", "lower": -1.0, "upper": 2.0, "name": "elbow"}
     limits = {"stiffness": 900.0, "damping": 2.0}
     yield m.EndStop, {"joint": HINGE, "lower": -0.3, "upper": 9.0, "of": "angle"} | limits | name
+    yield m.PointStop, pair | built | along | {"lower": -0.3, "upper": 0.4} | limits | name
+    turned = m.Revolute(GROUND, BLOCK, **here, **along)
+    yield m.Backlash, {"gear": m.Gear(HINGE, turned, ratio=2.0), "angle": 0.01} | limits | name
+    yield m.PinPlay, pair | built | along | {
+        "clearance": 1e-3, "exponent": 1.5, "loss": 0.2, "mu": 0.1, "creep": 1e-3, "pin_radius": 0.01
+    } | limits | name  # fmt: skip
     yield m.ConeStop, {"joint": m.Spherical(GROUND, BAR, at=(0, 0, 0)), "axis_a": (1, 0, 0), "axis_b": (1, 0, 0.1),
                        "half_angle": 0.4, "twist": (-0.3, 0.5)} | limits | name  # fmt: skip
+    yield m.RotationStop, {"joint": m.Spherical(GROUND, BAR, at=(0, 0, 0)), "angle": 0.4} | limits | name
+    yield m.SumStop, {"joints": (HINGE, SLIDER), "weights": (2.0, -1.0), "of": ("angle", "slide"), "lower": -0.1,
+                      "upper": 0.2} | limits | name  # fmt: skip
     yield m.LinearActuator, pair | limits | name | {
         "at_a": (0, 0, 0), "at_b": (0, 0, 1), "thrust": 30.0, "rate": 0.4, "stroke": (0.9, 1.5)
+    }  # fmt: skip
+    wheel = m.Pulley(HINGE, radius=0.1, sense=-1, centre=(0, 0, 1), axis=(0, 1, 0), turns=1)
+    yield m.Pulley, {"on": HINGE, "radius": 0.1, "sense": -1, "centre": (0, 0, 1), "axis": (0, 1, 0), "turns": 1}
+    yield m.Winch, {"on": BAR, "radius": 0.1, "sense": -1, "centre": (0, 0, 1), "axis": (0, 1, 0), "turns": 0}
+    ends = ((GROUND, (-1.0, 0, 0)), (BLOCK, (1.2, 0, 0.3)))
+    yield m.Rope, limits | name | {"points": ends, "pulleys": (wheel,), "mu": 0.3, "length": 9.0, "pretension": None}
+    yield m.Belt, limits | name | {
+        "hinge_a": HINGE, "hinge_b": m.Revolute(GROUND, BLOCK, at=(1, 0, 0), axis=(0, 1, 0)), "radii": (0.1, 0.2),
+        "pretension": 50.0, "mu": 0.4, "crossed": True,
     }  # fmt: skip
     table = {"points": [(-1.0, -3.0), (0.0, 0.0), (2.0, 1.0)], "between": "monotone", "beyond": "hold"}
     yield m.ForceCurve, pair | table | {"at_a": (0, 0, 0), "at_b": (0, 0, 1), "over": "stretch", "length": 0.5} | name
@@ -135,6 +155,7 @@ def parts():
         "rolling": 0.01, "spinning": 0.01, "grip": 2e3, "grip_damping": 3.0,
     }  # fmt: skip
     yield m.Contact, pair | {"surface": shapes.Sphere(0.3), "stiffness": 1e3, "friction": 0.3, "creep": 0.01}
+    yield m.Contact, pair | {"surface": shapes.Sphere(0.3), "stiffness": 1e3, "other": shapes.Capsule(0.1, 0.4, "x")}
     yield m.Tyre, pair | along | name | {
         "radius": 0.3, "crown": 0.05, "stiffness": 1e5, "damping": 400.0, "cornering": 14.0, "longitudinal": 20.0,
         "camber": 0.1, "relaxation": 0.1, "relaxation_x": 0.05, "mu": 0.9, "trail": 0.02, "twisting": 0.01,
@@ -180,7 +201,8 @@ def parts():
     yield shapes.Sphere, {"radius": 0.1} | look
     yield shapes.MeshFile, {"path": str(MESH), "scale": 1.0} | look
     yield inertia.box, {"mass": 1.0, "lengths": (1, 2, 3)}
-    for solid, length in ((inertia.cone, "height"), (inertia.cylinder, "length")):
+    yield inertia.ellipsoid, {"mass": 1.0, "radii": (1, 2, 3)}
+    for solid, length in ((inertia.cone, "height"), (inertia.cylinder, "length"), (inertia.capsule, "length")):
         yield solid, {"mass": 1.0, "radius": 0.2, length: 0.3, "axis": "x"}
     yield inertia.rod, {"mass": 1.0, "length": 0.2, "radius": 0.01, "axis": "x"}
     yield inertia.sphere, {"mass": 1.0, "radius": 0.2}
@@ -244,5 +266,6 @@ def measured():
     yield measures.reaction, {"joint": HINGE, "axis": (1, 0, 0.1), "of": "moment", "axes": "b"}
     for measure in (measures.clearance, measures.leaves, measures.normal_force, measures.touches):
         yield measure, {"contact": BALL}
+    yield measures.tension, {"rope": next(make(**given) for make, given in parts() if make is m.Rope), "section": 0}
     yield measures.length, {"spring": SPRING}
     yield measures.state, {"force": next(make(**given) for make, given in parts() if make is m.StateFeedback)}

@@ -12,6 +12,8 @@ from helpers.models import (
 )
 from mbsd3d import (
     AeroDrag,
+    Backlash,
+    Belt,
     Brake,
     Bushing,
     CentralGravity,
@@ -27,23 +29,31 @@ from mbsd3d import (
     ForceBetween,
     ForceCurve,
     Freewheel,
+    Gear,
     JointFriction,
     LinearActuator,
+    PinPlay,
+    PointStop,
     Polynomial,
     Prismatic,
+    Pulley,
     Ratchet,
     Revolute,
+    Rope,
     RotationSpring,
+    RotationStop,
     Spherical,
     SpringDamper,
     StateFeedback,
     SumSpring,
+    SumStop,
     Torque,
     TorqueBetween,
     TorqueCurve,
     TorsionSpring,
     Tyre,
     Weight,
+    Winch,
     measures,
     rotation,
     shapes,
@@ -58,10 +68,10 @@ def _slider(rng, a, b):
     return Prismatic(a, b, at=middle(rng, a, b), axis=direction(rng))
 
 
-def _summed(rng, a, b, **rest):
+def _summed(rng, a, b, kind=SumSpring, **rest):
     guide = Cylindrical(a, b, at=middle(rng, a, b), axis=direction(rng))
     sums = dict(weights=(0.9, -0.6), of=("angle", "slide"))
-    return [guide], SumSpring((guide, guide), **sums, stiffness=3.0, damping=0.7, **rest)
+    return [guide], kind((guide, guide), **sums, stiffness=3.0, damping=0.7, **rest)
 
 
 def _signals(rng):
@@ -116,6 +126,15 @@ def _contact(rng, a, b, surface, **numbers):
     return [], Contact(a, b, surface, plane=plane, stiffness=0.8, **numbers)
 
 
+def _round_contact(rng, a, b, half=0.0, **numbers):
+    """A sphere pressed into a sphere of a, or into the side of a capsule of this half length."""
+    n, axis = direction(rng), direction(rng)
+    side = np.cross(n, axis) / np.linalg.norm(np.cross(n, axis))
+    at = a.local_point(b.position + 4.0 * side + 0.1 * half * axis)
+    other = shapes.Capsule(8.0, 2.0 * half, a.local_axis(axis), at=at) if half else shapes.Sphere(8.0, at=at)
+    return [], Contact(a, b, shapes.Sphere(0.6, at=(0.1, -0.2, 0.1)), other=other, stiffness=0.15, **numbers)
+
+
 STONE = dict(at=(0.1, -0.2, 0.15), orientation=rotation((1, 2, -1), 0.8))
 
 LINING = dict(stiffness=1.7, damping=6.0)
@@ -154,6 +173,18 @@ def _cone(rng, a, b, **limits):
     return [ball], ConeStop(ball, axis_a=axis, axis_b=axis + 0.2 * direction(rng), **limits, **STOP)
 
 
+def _turned(rng, a, b, **limits):
+    ball = Spherical(a, b, at=middle(rng, a, b))
+    return [ball], RotationStop(ball, **limits, **STOP)
+
+
+def _teeth(rng, a, b):
+    """Flanks that general poses press, between two hinges on one axis."""
+    on = dict(at=middle(rng, a, b), axis=direction(rng))
+    hinges = [Revolute(a, b, **on), Cylindrical(a, b, **on)]
+    return hinges, Backlash(Gear(*hinges, ratio=-1.7), angle=0.01, **STOP)
+
+
 def _table(rng, a, b, **choice):
     ends = dict(at_a=a.position + 0.3 * direction(rng), at_b=b.position + 0.3 * direction(rng))
     return [], ForceCurve(a, b, **ends, points=BENT, length=0.8, **choice)
@@ -162,6 +193,33 @@ def _table(rng, a, b, **choice):
 def _actuator(rng, a, b, thrust, stroke):
     ends = dict(at_a=a.position + 0.3 * direction(rng), at_b=b.position + 0.3 * direction(rng))
     return [], LinearActuator(a, b, **ends, thrust=thrust, rate=9.0, stroke=stroke, **STOP)
+
+
+def _plane(rng, a, b):
+    """(x, y, normal) of a plane that contains a point near a and one near b."""
+    x = b.position - a.position
+    x = x / np.linalg.norm(x)
+    normal = np.cross(x, direction(rng))
+    normal /= np.linalg.norm(normal)
+    return x, np.cross(normal, x), normal
+
+
+def _rope(rng, a, b, **given):
+    """From a over a pulley of b and one of a, back through an eye of a, to a drum of b: all in one plane."""
+    x, y, n = _plane(rng, a, b)
+    first = Pulley(b, radius=0.3, sense=-1, centre=b.position + 0.6 * y, axis=n)
+    second = Pulley(a, radius=0.2, sense=1, centre=a.position - 0.7 * y, axis=-n)
+    eye = (a, a.position - 0.9 * y + 0.3 * x)
+    drum = Winch(b, radius=0.25, sense=1, centre=b.position - 1.1 * y, axis=n)
+    ends = ((a, a.position + 0.5 * y), drum)
+    return [], Rope(ends, (first, second, eye), **given)
+
+
+def _belt(rng, a, b, **given):
+    """Each body is a pulley that turns about the other."""
+    _, y, n = _plane(rng, a, b)
+    hinges = [Cylindrical(a, b, at=b.position - 0.2 * y, axis=n), Cylindrical(b, a, at=a.position + 0.1 * y, axis=-n)]
+    return hinges, Belt(*hinges, radii=(0.3, 0.2), stiffness=3.0, damping=0.4, pretension=40.0, **given)
 
 
 LOCKS = (Clutch, Freewheel, Ratchet)
@@ -188,6 +246,8 @@ EXAMPLES = {
     ),
     "SumSpring of angle and slide": lambda rng, a, b: _summed(rng, a, b, rest=0.4),
     "SumSpring beyond its slack": lambda rng, a, b: _summed(rng, a, b, rest=(20.0, 30.0)),
+    "SumStop beyond its limit": lambda rng, a, b: _summed(rng, a, b, SumStop, upper=-20.0),
+    "RotationStop": lambda rng, a, b: _turned(rng, a, b, angle=0.05),
     "RotationSpring": lambda rng, a, b: ([], RotationSpring(a, b, stiffness=3.0, damping=0.7)),
     "Brake that holds": lambda rng, a, b: _on(_hinge(rng, a, b), Brake, torque=90.0 + signal(rng, 1.0), **LINING),
     "Brake that slips": lambda rng, a, b: _on(_slider(rng, a, b), Brake, torque=Polynomial((0.3, 0.1)), **LINING),
@@ -202,6 +262,28 @@ EXAMPLES = {
     ),
     "EndStop of a hinge": lambda rng, a, b: _on(_hinge(rng, a, b), EndStop, upper=-4.0, **STOP),
     "EndStop of a slide": lambda rng, a, b: _on(_slider(rng, a, b), EndStop, lower=7.0, upper=8.0, **STOP),
+    "PointStop": lambda rng, a, b: (
+        [],
+        PointStop(a, b, at=middle(rng, a, b), at_b=b.position + direction(rng), axis=direction(rng), lower=9.0, **STOP),
+    ),
+    "Backlash": lambda rng, a, b: _teeth(rng, a, b),
+    "PinPlay that rubs": lambda rng, a, b: (
+        [],
+        PinPlay(
+            a,
+            b,
+            at=middle(rng, a, b),
+            at_b=b.position + direction(rng),
+            axis=direction(rng),
+            clearance=0.02,
+            stiffness=0.8,
+            damping=0.02,
+            loss=0.01,
+            mu=0.4,
+            creep=0.5,
+            pin_radius=0.3,
+        ),
+    ),
     "ConeStop of the swing": lambda rng, a, b: _cone(rng, a, b, half_angle=0.05),
     "ConeStop of the twist": lambda rng, a, b: _cone(rng, a, b, half_angle=3.1, twist=(0.1, 0.11)),
     "ConeStop of both": lambda rng, a, b: _cone(rng, a, b, half_angle=0.1, twist=(-0.03, 0.02)),
@@ -223,6 +305,13 @@ EXAMPLES = {
     "TorqueBetween in world axes": lambda rng, a, b: ([], TorqueBetween(a, b, _signals(rng))),
     "LinearActuator that pulls at its end": lambda rng, a, b: _actuator(rng, a, b, -2.0 + signal(rng, 0.1), (0.1, 0.2)),
     "LinearActuator that pushes at its end": lambda rng, a, b: _actuator(rng, a, b, 2.0, (20.0, 30.0)),
+    "Rope over smooth pulleys": lambda rng, a, b: _rope(rng, a, b, stiffness=3.0, damping=0.4, pretension=30.0),
+    "Rope that turns its pulleys": lambda rng, a, b: _rope(
+        rng, a, b, stiffness=(3.0, 5.0, 4.0), damping=0.4, pretension=30.0, mu=(None, 3.0)
+    ),
+    "Rope that slips": lambda rng, a, b: _rope(rng, a, b, stiffness=3.0, damping=0.4, pretension=40.0, mu=0.01),
+    "Belt": lambda rng, a, b: _belt(rng, a, b),
+    "Belt that is crossed": lambda rng, a, b: _belt(rng, a, b, crossed=True),
     "StateFeedback": lambda rng, a, b: _seen(_hinge(rng, a, b)),
     "CustomForce": lambda rng, a, b: ([], _custom(rng, a, b)),
     "Tyre": lambda rng, a, b: ([], _tyre(rng, a, b)),
@@ -231,6 +320,8 @@ EXAMPLES = {
     "Contact that sticks": lambda rng, a, b: _contact(rng, a, b, shapes.Ellipsoid((0.7, 0.5, 0.3), **STONE), **STICKS),
     "Contact that slips": lambda rng, a, b: _contact(rng, a, b, shapes.Torus(0.4, 0.3, (3, -1, 2), **STONE), **SLIPS),
     "Contact that creeps": lambda rng, a, b: _contact(rng, a, b, shapes.Sphere(0.6, at=(0.1, -0.2, 0.1)), **CREEPS),
+    "Contact of spheres that sticks": lambda rng, a, b: _round_contact(rng, a, b, **STICKS),
+    "Contact with a capsule that creeps": lambda rng, a, b: _round_contact(rng, a, b, 5.0, **CREEPS),
     "Weight": lambda rng, a, b: ([], Weight(a, b, acceleration=rng.normal(size=3))),
     "CentralGravity": lambda rng, a, b: ([], CentralGravity(a, b, at=a.position + direction(rng), mu=2.3)),
     "FluidDrag": lambda rng, a, b: (

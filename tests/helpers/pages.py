@@ -22,7 +22,7 @@ OUTSIDE = """() => {
   for (const [name, node] of Object.entries(nodeRefFromName)) {
     if (!node || !/^.(bodies|links|traces)/.test(name)) continue;
     node.updateWorldMatrix(true, false);
-    node.traverse((part) => {
+    node.traverseVisible((part) => {
       const points = part.geometry?.attributes;
       if (!part.visible || !points || part.isInstancedMesh) return;
       const corners = points.instanceStart ? [points.instanceStart, points.instanceEnd] : [points.position];

@@ -97,7 +97,7 @@ GRID = {"torque": [1.0, 2.0, 2.4, 3.1], "inertia": [0.2, 0.4, 0.7]}
 LONG = {"torque": np.linspace(1.0, 2.0, 40).tolist(), "inertia": np.linspace(0.2, 0.9, 4).tolist()}  # 160 cells
 EXECUTORS = ("threads", "processes", "distributed")
 KILLED = (*EXECUTORS, "gallery", "play", "live")  # what is killed, each at so many moments
-MOMENTS, ALL_MOMENTS = 5, 30  # in `make slow`, and in `make kills`
+MOMENTS, ALL_MOMENTS = 3, 30  # in `make slow`, and in `make kills`
 
 
 def noted(arriving, path):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from helpers.models import dropped_wheel
+from scipy.integrate import DOP853 as SCIPY
 
 from mbsd3d import DOP853, GROUND, Body, Contact, RadauIIA, System, measures, shapes, simulate
 from mbsd3d.integrators.dop853 import TABLE
@@ -69,3 +70,14 @@ def test_the_shortest_step_takes_a_jump_of_a_force(method, rtol, t_end):
     blow = 1e-14 * t_end * 2 * a * speed / w
     assert r - run.position(ball)[-1, 2] == pytest.approx(depth, rel=0, abs=10 * blow + 1e3 * rtol * r)
     assert run.certificate.passed, run.certificate
+
+
+def test_the_coefficients_of_dop853_are_those_of_scipy():
+    stages = SCIPY.n_stages
+    pairs = (
+        (TABLE.A, SCIPY.A[:stages, :stages]), (TABLE.b, SCIPY.B), (TABLE.c, SCIPY.C[:stages]), (TABLE.D, SCIPY.D),
+        (TABLE.A_dense, SCIPY.A_EXTRA), (TABLE.c_dense, SCIPY.C_EXTRA), (TABLE.error[0], SCIPY.E5[:stages]),
+        (TABLE.error[2], SCIPY.E3[:stages]),
+    )  # fmt: skip
+    for own, theirs in pairs:
+        assert own.shape == theirs.shape and (own == theirs).all()

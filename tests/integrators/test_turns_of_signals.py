@@ -142,7 +142,7 @@ def test_fixed_steps_of_a_stepper_are_split_too():
 
 
 def test_fixed_steps_keep_their_order_over_a_table():
-    """A table that turns twice a second, in steps that are no part of that; with every turn a step ends."""
+    """A table that turns twice a second, in steps that are not part of that; with every turn a step ends."""
     times = np.linspace(0.0, 3.0, 31)
     system = sled_with(Table(times, 5.0 * np.sin(2.1 * np.pi * times + 0.4)))
     exact = simulate(system, 3.0, rtol=1e-12).position("sled")[-1, 0]

@@ -26,12 +26,14 @@ from mbsd3d import (
     JointFriction,
     Prismatic,
     Revolute,
+    Rope,
     Sine,
     SpringDamper,
     System,
     Torque,
     TorsionSpring,
     Weight,
+    Winch,
     rotation,
 )
 from mbsd3d.dynamics.applied_forces import loads
@@ -122,7 +124,8 @@ def test_action_equals_reaction_unless_something_acts_from_outside(name, ground)
     if outside:
         assert force + moment > 0.1
     else:
-        assert force < 1e-14 and moment < 1e-13  # rounding of forces of order one, and of arms of a few metres
+        size = max(1.0, np.abs(Q[:, :3]).max())
+        assert force < 1e-14 * size and moment < 1e-13 * size  # rounding of forces, and of arms of a few metres
 
 
 @every_element
@@ -328,6 +331,36 @@ def test_hinge_rate_is_the_rate_of_the_angle():
     rate = derivative(angle)
     angle(0.0)
     assert coordinate_rate(on.model, on.data, i, T) == pytest.approx(rate, abs=TOLERANCE)
+
+
+def test_a_bearing_has_its_rate_and_its_acceleration():
+    """Of the end of a rope seen from a drum: its angle there, and J_dot v at velocities that do not change."""
+    rng = np.random.default_rng(23)
+    a, b = random_body(rng, "one"), random_body(rng, "two")
+    centre, end = a.position + 0.3 * direction(rng), b.position + 0.3 * direction(rng)
+    axis = across(rng, (end - centre) / np.linalg.norm(end - centre))
+    drum = Winch(a, radius=0.1, sense=1, centre=centre, axis=axis)
+    rope = Rope((drum, (b, end)), stiffness=1.0)
+    on, bearing = Loads(System([a, b], forces=[rope])), rope.path.spans[0].ways[0]
+    i, (q, v) = on.compiled.coordinate(bearing), on.general(rng)
+
+    def seen(h):
+        """Angle and rate after both bodies have moved on evenly for h."""
+        poses, twists = q.reshape(2, 7).copy(), v.reshape(2, 6)
+        poses[:, :3] += h * twists[:, :3]
+        for pose, twist in zip(poses, twists, strict=True):
+            pose[3:] = multiply(exponential(h * twist[3:]), pose[3:])
+        kinematics(on.model, on.data, on.state(poses.ravel(), v))
+        return np.array([coordinate(on.model, on.data, i, T)[0], coordinate_rate(on.model, on.data, i, T)])
+
+    rate, acceleration = derivative(seen)
+    angle, rate_found = seen(0.0)
+    (r_a, R_a), (r_b, R_b) = ((x[:3], matrix(x[3:])) for x in q.reshape(2, 7))
+    gap = a.axes @ R_a.T @ (r_b + R_b @ b.local_point(end) - r_a) - (centre - a.position)  # as if a had not moved
+    x, y = gap @ bearing.zero_a, gap @ np.cross(axis, bearing.zero_a)
+    assert angle == pytest.approx(np.arctan2(y, x), abs=1e-13)
+    assert rate_found == pytest.approx(rate, abs=TOLERANCE)
+    assert coordinate(on.model, on.data, i, T)[1] == pytest.approx(acceleration, abs=TOLERANCE)
 
 
 def test_bushing_is_linear_for_small_displacements():

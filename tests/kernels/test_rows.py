@@ -14,7 +14,7 @@ from helpers.models import (
     public_classes,
 )
 
-from mbsd3d import AngleDriver, Joint, SlideDriver, System, rotation
+from mbsd3d import AngleDriver, Joint, OrientationDriver, SlideDriver, System, rotation
 from mbsd3d.equations.compiled import Switches
 from mbsd3d.extend import perpendiculars
 from mbsd3d.rotations import matrix, multiply
@@ -150,19 +150,21 @@ def test_both_identities_to_rounding_by_complex_steps(cls, seed):
     c, J, b, _ = exact.rows(q + 1j * h * q_dot, v + 1j * h * v_dot, t)
     c_dot, speed_dot = c.imag / h, (J @ (v + 1j * h * v_dot) - b).imag / h
     _, J, b, gamma = real.rows(q, v, t)
-    rest = signal_terms(real, t)
+    rest = signal_terms(real, q, v, t)
     holonomic = real.model.row["holonomic"] == 1
     size = 1 + np.abs(J @ v_dot) + np.abs(gamma)
     # rounding, times what a nearly flat disc makes of it
     assert np.abs((c_dot - J @ v) / size)[holonomic].max(initial=0.0) < 1e-12
-    assert np.abs((speed_dot - (J @ v_dot - gamma) - rest) / size).max() < 1e-12
+    limit = 1e-10 if cls is OrientationDriver else 1e-12  # its rest is a difference, good to 1e-11
+    assert np.abs((speed_dot - (J @ v_dot - gamma) - rest) / size).max() < limit
 
 
-def signal_terms(evaluation, t):
-    """What the signals add to gamma: f'' for a motion, f' for a speed, else 0."""
-    rows = [row for joint in evaluation.compiled.system.joints for row in joint.rows()]
+def signal_terms(evaluation, q, v, t):
+    """What the signals add to gamma: f'' for a motion, f' for a speed, else 0; d(b - J v)/dt here of an orientation."""
+    if any(isinstance(joint, OrientationDriver) for joint in evaluation.compiled.system.joints):
+        return derivative(lambda h: -evaluation.speed(q, v, t + h))
     terms = []
-    for row in rows:
+    for row in (row for joint in evaluation.compiled.system.joints for row in joint.rows()):
         rate = 0.0
         if row.signal is not None:
             rate = row.signal.second_derivative(t) if row.holonomic[0] else row.signal.derivative(t)

@@ -138,6 +138,43 @@ def test_bearings_of_two_stiffnesses():
     assert np.abs(lateral(found, 0)[1]).max() < 1e-12  # lines, without spin
 
 
+@pytest.mark.parametrize("place", [0.3, 0.2])
+def test_jeffcott_rotor_with_a_gyroscopic_disc(place):
+    """A disc on a light elastic shaft on rigid bearings, in the middle of the span and off it.
+
+    Flexibilities of the beam at the disc: a^2 b^2, a b (b - a), a^2 - a b + b^2, each over 3 E I L. In the middle the
+    shaft bends without tilting the disc: sqrt(48 E I / (m L^3)) at any speed. Off it the disc tilts too, and the
+    gyroscopic moment shifts the forward critical speed, w = W with I_t - I_p for I_t.
+    """
+    span, bending, m, polar, across = 0.6, 3.2e3, 12.0, 0.5, 0.26  # [m], E I [N m^2], [kg], [kg m^2]
+    a, b = place, span - place
+    flexibility = np.array([[a * a * b * b, a * b * (b - a)], [a * b * (b - a), a * a - a * b + b * b]])
+    K = np.linalg.inv(flexibility / (3.0 * bending * span))
+    lever = K[0, 1] / K[0, 0]  # along the shaft, to the point where a push does not tilt
+    disc = Body("disc", m, (across, across, polar), orientation=TILT)
+    shaft = Bushing(
+        GROUND, disc, at=lever * AXIS, axes=TILT, stiffness=(K[0, 0], K[0, 0], 1e8),
+        turning_stiffness=(K[1, 1] - K[0, 0] * lever**2,) * 2 + (0.0,), name="shaft",
+    )  # fmt: skip
+    speeds = [0.0, 150.0, 300.0, 450.0]
+    system = System([disc], forces=[shaft], gravity=(0, 0, 0))
+    found = campbell(system, spin=measures.omega(disc, axis=AXIS), speeds=speeds)
+    mass = np.diag([m, across])
+    for i, speed in enumerate(speeds):
+        gyro = np.diag([0.0, -1j * polar * speed])
+        known = np.linalg.eigvals(np.block([
+            [np.zeros((2, 2)), np.eye(2)], [-np.linalg.solve(mass, K), -np.linalg.solve(mass, gyro)]
+        ])).imag  # fmt: skip
+        for w, sense in zip(np.abs(known), np.sign(known), strict=True):
+            near = np.abs(found.frequencies[i] - w) < 1e-7 * w
+            assert near.any() and (speed == 0.0 or np.abs(found.sense[i][near] - sense).min() < 1e-6)
+    squares = np.linalg.eigvals(np.linalg.solve(np.diag([m, across - polar]), K)).real
+    forward = [x.speed for x in found.critical_speeds() if x.whirl == "forward"]
+    assert forward == pytest.approx([np.sqrt(max(squares))], rel=1e-8)  # I_p > I_t: there is one
+    middle = np.sqrt(48.0 * bending / (m * span**3))
+    assert (abs(forward[0] / middle - 1.0) < 1e-8) == (a == b)
+
+
 def overhung(polar):
     """A disc at the end of a light shaft that a universal joint and a bushing hold, driven by a hinge of the ground."""
     reach, at, k = 0.5, 0.3, 4e5

@@ -183,7 +183,7 @@ def test_rows_that_repeat_others_cost_neither_steps_nor_digits(system, cut):
         ),
         (lambda: linkages.bennett(0.7, 0.6, 0.7, 0.6, 0.9), "equal links"),
         (lambda: linkages.bennett(0.0, 0.6, 0.0, 1.9, 0.9), "lengths other than 0"),
-        (lambda: linkages.bennett(0.7, 0.0, 0.7, 0.6, 0.9), "no multiples of pi"),
+        (lambda: linkages.bennett(0.7, 0.0, 0.7, 0.6, 0.9), "not multiples of pi"),
         (lambda: linkages.bennett(0.7, 0.6, 0.7 * np.sin(1.9) / np.sin(0.6), 1.9, 0.0), "folds the loop"),
         (lambda: linkages.goldberg(0.7, 0.6, 0.7 * np.sin(1.9) / np.sin(0.6), 1.9, 0.5, 1.1, 0.9), "c, gamma"),
         (lambda: linkages.myard(0.7, 0.6, 1.0, 0.9), "goes with 1.2397225"),

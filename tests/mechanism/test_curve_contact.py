@@ -29,6 +29,7 @@ from mbsd3d import (
     accelerations,
     linearize,
     measures,
+    rotation,
     simulate,
 )
 from mbsd3d.equations.at_state import coordinate_row
@@ -346,3 +347,18 @@ def bean():
 def test_curves_that_cannot_be_are_refused(curve, given, text):
     with pytest.raises(ValueError, match=f"joint 'cam'.*{text}"):
         CurveContact(GROUND, BODY, curve, at=(3, 0, 0), name="cam", **given)
+
+
+def test_a_pin_and_an_axis_of_a_body_may_be_letters():
+    turn = 2.0 * np.pi * np.arange(40) / 40
+    oval = np.column_stack([0.4 * np.cos(turn), 0.3 * np.sin(turn), 0.0 * turn])
+    roller = Body("roller", 1.0, (0.1, 0.1, 0.1), orientation=rotation((1, 2, 3), 0.4), omega=(0.3, 2.0, 1.0))
+    joint = CurveContact(GROUND, roller, oval, at=(0.5, 0, 0), pin="z", radius=0.1, closed=True)
+    assert np.array_equal(joint.pin, (0.0, 0.0, 1.0))
+    run = simulate(System([roller]), 0.5, output=3)
+    for body in ("roller", GROUND):
+        assert np.array_equal(run.body_axis(body, "y"), run.body_axis(body, (0.0, 1.0, 0.0)))
+    with pytest.raises(ValueError, match="pin is 'q'; give 'x', 'y', 'z' or a vector"):
+        CurveContact(GROUND, roller, oval, at=(0.5, 0, 0), pin="q", radius=0.1, closed=True)
+    with pytest.raises(ValueError, match="axis is 'q'; give 'x', 'y', 'z' or a vector"):
+        run.body_axis("roller", "q")

@@ -168,12 +168,12 @@ def test_nothing_is_recompiled_and_complex_code_comes_when_it_is_needed():
     second = CustomForce(another, on=system.bodies[0])
     simulate(System(system.bodies, system.joints, [element, second]), 0.1)
     assert len(advance.signatures) == known
-    assert set(second.callbacks) == {float}
+    assert set(second.callbacks) == {(float, float)}
     System(system.bodies, system.joints, [second])
     Evaluation(System(system.bodies, system.joints, [second]), complex)
-    assert set(second.callbacks) == {float, complex}
+    assert set(second.callbacks) == {(float, float), (complex, float)}
     twin = CustomForce(another, on=GROUND)
-    assert twin.callbacks[float] is second.callbacks[float]  # one function, compiled once
+    assert twin.callbacks[float, float] is second.callbacks[float, float]  # one function, compiled once
 
 
 @pytest.mark.slow
@@ -339,7 +339,7 @@ def test_what_complex_numbers_do_not_have_is_named_where_it_is_needed():
         (lambda: CustomForce(np.sin, on=BALL, name="lift"), "lift.*is not a function"),
         (lambda: CustomForce(magnet, on=(BALL, "x"), name="lift"), "lift.*'x' is not a body"),
         (lambda: CustomForce(magnet, on=(BALL,) * 5, name="lift"), "lift.*acts on 5 bodies; give 1 to 4"),
-        (lambda: CustomForce(magnet, on=BALL, points=[(0, 0, 0)] * 2, name="lift"), "lift.*2 points for 1 bodies"),
+        (lambda: CustomForce(magnet, on=BALL, points=[(0, 0, 0)] * 2, name="lift"), "lift.*2 points for 1 body"),
         (lambda: CustomForce(magnet, on=BALL, parameters=(1.0, np.inf), name="lift"), "lift.*parameters no. 2"),
         (lambda: CustomForce(magnet, on=BALL, states=(1.0,), scales=(0.0,), name="lift"), "lift.*number > 0 per state"),
         (lambda: System([Body("a", 1.0, (1, 1, 1))], [], [CustomForce(magnet, on=BALL, name="lift")]),

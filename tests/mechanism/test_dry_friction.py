@@ -71,13 +71,22 @@ def test_elastic_slip_errs_by_what_it_yields():
     assert missed[2] == pytest.approx(0.1 * missed[1], rel=0.01)
 
 
-def test_a_joint_that_comes_to_rest_without_yields_is_named():
-    with pytest.raises(IntegrationError, match=r"t = 0.56834.* s: Prismatic 'rail'; give 'friction' .* yields="):
-        simulate(incline(0.25, 3.0, 0.3), 2.0)
+def test_a_ball_that_comes_to_rest_without_yields_is_named():
+    """No row holds a joint that slips in more than one way."""
+    with pytest.raises(IntegrationError, match=r"Spherical 'socket'; give 'friction' .* yields="):
+        simulate(ball_in_socket(), 3.0)
     with pytest.raises(IntegrationError, match="comes to rest"):
-        simulate(incline(0.25, 3.0, 0.3), 1.0, method=RK4(dt=1e-3))
-    with pytest.raises(ValueError, match="'rail' is at rest, where friction has no direction"):
-        accelerations(incline(0.25, 0.0, 0.3))
+        simulate(ball_in_socket(), 3.0, method=RK4(dt=1e-3))
+    with pytest.raises(ValueError, match="'socket' is at rest, where friction has no direction"):
+        accelerations(ball_in_socket(omega=(0, 0, 0)))
+
+
+def ball_in_socket(**more):
+    """A ball in its centre of mass."""
+    more = {"omega": (7.2, 0.0, 9.6)} | more
+    ball = Body("ball", 3.0, (0.02,) * 3, position=(0.2, 0.1, 0.4), **more)
+    joint = Spherical(GROUND, ball, at=ball.position, name="socket")
+    return System([ball], [joint], [DryFriction(joint, mu=0.2, ball_radius=0.015, name="friction")])
 
 
 DOUBLE = dict(mass=(2.0, 1.0), inertia=(0.05, 0.02), com=(0.3, 0.25), elbow=0.6, angle=(1.0, -0.6), rate=(-0.5, 4.0))
@@ -405,7 +414,7 @@ def hinge():
             "guide_length = 0.2: .* has pin_radius, collar_radius; leave",
         ),
         (dict(mu=0.1, pin_radius=0.01, mu_static=0.05), "mu_static = 0.05 is below mu = 0.1"),
-        (dict(mu=0.1, pin_radius=0.01, mu_static=0.15), "takes yields="),
+        (dict(mu=0.0, pin_radius=0.01, mu_static=0.15, yields=1e-3), "mu = 0 has no elastic slip"),
         (dict(mu=0.1, pin_radius=0.01, settles=0.1), "give yields= too"),
         (dict(mu=0.1, pin_radius=0.0), "pin_radius"),
         (dict(mu=0.1, pin_radius=0.01, yields=0.0), "yields"),
@@ -414,6 +423,14 @@ def hinge():
 def test_bad_sizes_are_refused(given, message):
     with pytest.raises(ValueError, match=message):
         DryFriction(hinge(), name="f", **given)
+
+
+def test_mu_static_of_a_ball_takes_yields():
+    ball = Body("ball", 1.0, (0.1,) * 3)
+    with pytest.raises(ValueError, match="'socket' slips in more than one way, so no row holds it; give yields= too"):
+        DryFriction(
+            Spherical(GROUND, ball, at=(0, 0, 0), name="socket"), mu=0.1, mu_static=0.2, ball_radius=0.01, name="f"
+        )
 
 
 def test_joints_without_a_law_are_refused():

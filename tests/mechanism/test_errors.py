@@ -95,11 +95,11 @@ BODIES = {
     "inertia without mass": (lambda: Body("rod", 0.0, I), ["body 'rod'", "mass is 0", r"give a mass, or inertia"]),
     "quaternion not of unit length": (
         lambda: Body("rod", 1.0, I, orientation=(1, 1, 0, 0)),
-        ["body 'rod'", "orientation", r"norm 1\.41421356", "divide it by its norm"],
+        ["body 'rod'", "orientation", r"norm 1\.41421356", r"rotations\.normalize\(e\)"],
     ),
     "quaternion a hundred-thousandth too long": (
         lambda: Body("rod", 1.0, I, orientation=(1 + 1e-5, 0, 0, 0)),
-        ["body 'rod'", r"norm 1\.00001", "divide"],
+        ["body 'rod'", r"norm 1\.00001", r"rotations\.normalize"],
     ),
     "matrix left-handed": (
         lambda: Body("rod", 1.0, I, orientation=np.diag([1, 1, -1.0])),
@@ -616,7 +616,7 @@ def test_a_force_that_is_not_finite_after_a_time(method, output):
     )  # fmt: skip
     step = getattr(method, "dt", None) or 0.0
     assert error.part == "force 'push'"
-    assert 0.3 - step - 1e-9 < error.time <= 0.3
+    assert 0.3 - step - 1e-9 < error.time <= 0.3 + 1e-15  # rounding
     found = error.solution
     assert found.t[0] == 0.0 and found.t.size > 2  # nothing computed is lost
     assert found.t[-1] > 0.3 - max(step, 0.01) - 1e-9

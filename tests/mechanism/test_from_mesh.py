@@ -3,6 +3,7 @@
 import base64
 import json
 import struct
+import sys
 import zipfile
 
 import numpy as np
@@ -218,8 +219,8 @@ def test_faults_are_named(tmp_path, fault, seed):
         ("a.obj", {"density": 1.0, "unit": -1.0}, "unit.*-1"),
         ("a.obj", {"density": 0.0, "unit": "m"}, "density"),
         ("a.obj", {"density": 1.0, "unit": "m", "shape": "meshes"}, "shape 'meshes' is unknown"),
-        ("a.obj", {"density": 1.0, "unit": "m", "com": (0, 0, 0)}, "com is nothing to give for a mesh"),
-        ("b.step", {"density": 1.0}, "STEP files hold curved surfaces, which are not read; export a mesh"),
+        ("a.obj", {"density": 1.0, "unit": "m", "com": (0, 0, 0)}, "com is no argument for a mesh"),
+        ("b.iges", {"density": 1.0}, "IGES files hold curved surfaces, which are not read; export a mesh"),
         ("b.txt", {"density": 1.0}, "is not a mesh; give one that ends in"),
         ("none.stl", {"density": 1.0, "unit": "m"}, "cannot be read: No such file"),
         ("c.gltf", {"density": 1.0}, "save it as .glb"),
@@ -327,3 +328,95 @@ def test_fine_meshes_are_read_where_they_need_not_be_drawn(tmp_path):
         Body.from_mesh("disc", tmp_path / "fine.obj", density=1.0, unit="m")
     body = Body.from_mesh("disc", tmp_path / "fine.obj", density=1.0, unit="m", shape="cylinder")
     assert body.mass == pytest.approx(n / 2 * np.sin(2 * np.pi / n), rel=1e-12)
+
+
+# STEP
+
+
+def step_text(radius, height, place, unit):
+    """A STEP file of a cylinder along z: three faces, two circles and a seam."""
+    rows = []
+
+    def add(kind, *given):
+        rows.append(f"#{len(rows) + 1}={kind}({','.join(map(str, given))});")
+        return f"#{len(rows)}"
+
+    def among(parts):
+        return f"({','.join(map(str, parts))})"
+
+    def point(x, y, z):
+        at = (f"{a + b:.9E}" for a, b in zip(place, (x, y, z), strict=True))
+        return add("CARTESIAN_POINT", "''", among(at))
+
+    def direction(*x):
+        return add("DIRECTION", "''", among(map(float, x)))
+
+    def axes(z):
+        return add("AXIS2_PLACEMENT_3D", "''", point(0, 0, z), direction(0, 0, 1), direction(1, 0, 0))
+
+    def face(surface, edges, sense):
+        oriented = [add("ORIENTED_EDGE", "''", "*", "*", edge, ".T." if along else ".F.") for edge, along in edges]
+        bound = add("FACE_OUTER_BOUND", "''", add("EDGE_LOOP", "''", among(oriented)), ".T.")
+        return add("ADVANCED_FACE", "''", among([bound]), surface, ".T." if sense else ".F.")
+
+    corners = [add("VERTEX_POINT", "''", point(radius, 0, z)) for z in (0, height)]
+    circles = [add("CIRCLE", "''", axes(z), f"{radius:.9E}") for z in (0, height)]
+    low, high = (add("EDGE_CURVE", "''", v, v, c, ".T.") for v, c in zip(corners, circles, strict=True))
+    line = add("LINE", "''", point(radius, 0, 0), add("VECTOR", "''", direction(0, 0, 1), 1.0))
+    seam = add("EDGE_CURVE", "''", *corners, line, ".T.")
+    side = add("CYLINDRICAL_SURFACE", "''", axes(0), f"{radius:.9E}")
+    faces = [face(side, [(low, True), (seam, True), (high, False), (seam, False)], True)]
+    faces += [face(add("PLANE", "''", axes(z)), [(x, up)], up) for z, x, up in ((0, low, False), (height, high, True))]
+    solid = add("MANIFOLD_SOLID_BREP", "''", add("CLOSED_SHELL", "''", among(faces)))
+    length = add("", f"LENGTH_UNIT()NAMED_UNIT(*){unit}")
+    angle = add("", "NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.)")
+    solid_angle = add("", "NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT()")
+    units = f"GLOBAL_UNIT_ASSIGNED_CONTEXT(({length},{angle},{solid_angle}))"
+    context = add("", f"GEOMETRIC_REPRESENTATION_CONTEXT(3){units}REPRESENTATION_CONTEXT('','')")
+    shape = add("ADVANCED_BREP_SHAPE_REPRESENTATION", "''", among([solid]), context)
+    app = add("APPLICATION_CONTEXT", "'automotive design'")
+    product = add("PRODUCT", "'part'", "'part'", "''", among([add("PRODUCT_CONTEXT", "''", app, "'mechanical'")]))
+    form = add("PRODUCT_DEFINITION_FORMATION", "''", "''", product)
+    part = add("PRODUCT_DEFINITION", "''", "''", form, add("PRODUCT_DEFINITION_CONTEXT", "''", app, "'design'"))
+    add("SHAPE_DEFINITION_REPRESENTATION", add("PRODUCT_DEFINITION_SHAPE", "''", "''", part), shape)
+    head = "HEADER;\nFILE_DESCRIPTION((''),'2;1');\nFILE_NAME('','',(''),(''),'','','');\n"
+    head += "FILE_SCHEMA(('AUTOMOTIVE_DESIGN'));\nENDSEC;\nDATA;\n"
+    return f"ISO-10303-21;\n{head}" + "\n".join(rows) + "\nENDSEC;\nEND-ISO-10303-21;\n"
+
+
+@pytest.mark.parametrize(("unit", "metres"), [("SI_UNIT(.MILLI.,.METRE.)", 1e-3), ("SI_UNIT($,.METRE.)", 1.0)])
+def test_step_files_are_read_in_their_unit(tmp_path, unit, metres):
+    """The moments of a cylinder, of which chords 0.05 rad apart lack at most (0.05 rad)^2 / 6 = 4e-4; of r^4 twice."""
+    pytest.importorskip("cascadio")
+    r, h, place = 0.03, 0.07, np.array([0.1, 0.02, 0.03])
+    (tmp_path / "part.STEP").write_text(step_text(r / metres, h / metres, place / metres, unit))
+    part = Body.from_mesh("part", tmp_path / "part.STEP", density=7800.0)
+    mass = 7800.0 * np.pi * r**2 * h
+    assert -4e-4 < part.mass / mass - 1.0 < -1e-6
+    assert np.abs(part.com - place - (0, 0, h / 2)).max() < 1e-7  # float32 of the triangles
+    across = mass * (3 * r**2 + h**2) / 12
+    assert np.abs(part.inertia - np.diag([across, across, mass * r**2 / 2])).max() < 8e-4 * across
+    drawn = part.shape.mesh(part).vertices
+    assert np.abs(drawn.max(axis=0) - place - (r, r, h)).max() < 1e-6
+    with pytest.raises(ValueError, match="unit is 0.0254 m, but the file is in units of 1 m; leave unit out"):
+        Body.from_mesh("part", tmp_path / "part.STEP", density=7800.0, unit="in")
+
+
+def test_broken_step_files_are_refused(tmp_path):
+    pytest.importorskip("cascadio")
+    whole = step_text(30.0, 70.0, (0, 0, 0), "SI_UNIT(.MILLI.,.METRE.)")
+    for text in ("nonsense", whole[:900], whole.replace("CLOSED_SHELL", "OPEN_SHELL_OF")):
+        (tmp_path / "part.stp").write_text(text)
+        with pytest.raises(
+            ValueError, match="body 'part': mesh '.*part.stp': (holds no surfaces|is open|is no|has no)"
+        ):
+            Body.from_mesh("part", tmp_path / "part.stp", density=7800.0)
+
+
+def test_without_cascadio_the_extra_is_named(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "cascadio", None)
+    (tmp_path / "part.stp").write_text("ISO-10303-21;")
+    with pytest.raises(
+        ValueError, match=r"STEP files hold curved surfaces, which need .*: pip install 'mbsd3d\[step\]'"
+    ):
+        Body.from_mesh("part", tmp_path / "part.stp", density=1.0)

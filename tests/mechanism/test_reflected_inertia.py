@@ -7,18 +7,22 @@ from mbsd3d import (
     GROUND,
     AngleDriver,
     Body,
+    EndStop,
     Engaged,
     Fixed,
     Gear,
     GeneralizedAlpha,
     Kinematic,
+    Parallel,
     Prismatic,
     RackPinion,
     RadauIIA,
     Revolute,
     Sine,
     Spherical,
+    State,
     System,
+    TorqueBetween,
     accelerations,
     linearize,
     rotation,
@@ -131,6 +135,101 @@ def test_energy_and_momentum_balance_in_every_method(floating, method):
     assert run.certificate.passed, run.certificate
 
 
+def balls(floating):
+    """Five bodies on balls and a hinge, joints taken in both directions, the last one at the end of a branch."""
+    b = bodies(5, seed=8)
+    joints = [] if floating else [Spherical(GROUND, b[0], at=(0.2, 0.1, 0.3), reflected_inertia=0.7, name="a")]
+    joints += [
+        Spherical(b[0], b[1], at=(0.4, 0.1, -0.3), reflected_inertia=0.5, name="b"),
+        Revolute(b[1], b[2], at=b[2].position, axis=(1, 0, 2), reflected_inertia=0.3, name="c"),
+        Spherical(b[3], b[2], at=(0.6, -0.1, 0.2), reflected_inertia=1.4, name="d"),
+        Spherical(b[1], b[4], at=b[4].position, name="e"),
+    ]
+    return System(b, joints, gravity=(0.4, -0.8, -9.6))
+
+
+def spun(system, seed=2):
+    """A general state: all poses on the constraints, velocities of some m/s and rad/s."""
+    state = system.assemble()
+    v = 3.0 * np.random.default_rng(seed).normal(size=state.v.size)
+    return system.assemble(near=State(0.0, state.q, v))
+
+
+@pytest.mark.parametrize("floating", [False, True])
+def test_a_ball_has_rotors_about_three_axes(floating):
+    """-I d(w_rel)/dt in the axes of b on b, its opposite on a: put on the plain system as a moment, it moves alike."""
+    system = balls(floating)
+    state = spun(system)
+    one = accelerations(system, state)
+    ends, plain, loads = {}, [], []
+    for joint in system.joints:
+        I = joint.reflected_inertia
+        x = joint
+        if isinstance(joint, Spherical):
+            x = Spherical(joint.a, joint.b, at=joint.at, name=joint.name)
+            (alpha_a, w_a), (alpha_b, w_b) = (
+                (np.zeros(3), np.zeros(3)) if body is GROUND else (one.alpha(body)[0], one.omega(body)[0])
+                for body in (joint.a, joint.b)
+            )
+            load = -I * (alpha_b - alpha_a - np.cross(w_b, w_b - w_a))
+            loads.append(TorqueBetween(joint.a, joint.b, load, frame="world", name=f"rotor {joint.name}"))
+            ends[joint.name] = 0.5 * I * ((w_b - w_a) ** 2).sum()
+        plain.append(x)
+    two = accelerations(System(system.bodies, plain, loads, gravity=system.gravity), state)
+    for body in system.bodies:
+        size = np.abs(two.alpha(body)).max() + np.abs(two.acceleration(body)).max()
+        assert np.abs(one.alpha(body) - two.alpha(body)).max() < ROUNDING * size
+        assert np.abs(one.acceleration(body) - two.acceleration(body)).max() < ROUNDING * size
+    for joint in system.joints:  # the joint itself carries no moment of its rotors
+        pair = one.reaction(joint), two.reaction(joint.name)
+        assert np.allclose(pair[0].force, pair[1].force, rtol=1e-9, atol=1e-9)
+        assert np.allclose(pair[0].moment, pair[1].moment, rtol=1e-9, atol=1e-9)
+    assert one.certificate.passed
+    assert one.energy().kinetic[0] == pytest.approx(two.energy().kinetic[0] + sum(ends.values()), rel=1e-12)
+
+
+@pytest.mark.parametrize("method", [None, GeneralizedAlpha(2e-3), RadauIIA()])
+@pytest.mark.parametrize("floating", [False, True])
+def test_energy_and_momentum_of_balls_balance_in_every_method(floating, method):
+    system = balls(floating)
+    run = simulate(system, 0.3, state=spun(system), **({} if method is None else {"method": method}))
+    assert run.certificate.passed, run.certificate
+
+
+def test_a_ball_that_turns_about_one_axis_is_a_hinge():
+    """The rows of other joints hold its axis: one direction is left, and three rotors turn it as one."""
+    made = []
+    for ball in (False, True):
+        one, two = bodies(2)
+        at, axis = (0.3, 0.1, 0.2), np.array([1.0, 2.0, 2.0]) / 3.0
+        first = Spherical(GROUND, one, at=one.position, reflected_inertia=0.3, name="first")
+        hinge = Revolute(one, two, at=at, axis=axis, reflected_inertia=0.8, name="hinge")
+        parts = [Spherical(one, two, at=at, reflected_inertia=0.8, name="ball"), Parallel(one, two, axis=axis)]
+        made.append(System([one, two], [first, *(parts if ball else [hinge])]))
+    w = np.array([2.0, -1.0, 0.5])
+    found = []
+    for system in made:
+        state = system.assemble(near=State(0.0, system.state().q, np.concatenate([np.zeros(3), w, np.zeros(3), 2 * w])))
+        found.append(accelerations(system, state))
+    for k in range(2):
+        here, there = (each.alpha(each.system.bodies[k]) for each in found)
+        assert np.allclose(here, there, rtol=1e-11, atol=1e-11)
+
+
+def test_a_ball_may_close_a_loop():
+    """All joints of a spatial four-bar have one: bodies share inertia across the loop, which balances all the same."""
+    b = bodies(3, seed=4)
+    joints = [
+        Revolute(GROUND, b[0], at=(0, 0, 0), axis=(0.2, 1, 0), reflected_inertia=0.4, name="h"),
+        Spherical(b[0], b[1], at=(0.5, 0.2, 0.3), reflected_inertia=0.6, name="s"),
+        Spherical(b[2], b[1], at=(1.4, 0.1, 0.5), reflected_inertia=0.9, name="t"),
+        Revolute(b[2], GROUND, at=(1.6, -0.2, 0.1), axis=(0.1, 1, 0.3), reflected_inertia=0.2, name="k"),
+    ]
+    system = System(b, joints)
+    run = simulate(system, 0.3, state=system.assemble(rates={"h": 2.0}))
+    assert run.certificate.passed, run.certificate
+
+
 def four_bar():
     crank, coupler, rocker = (
         Body(n, 1.0, (0.02, 0.03, 0.03), com=(0.1, 0, 0.02)) for n in ("crank", "coupler", "rocker")
@@ -186,6 +285,27 @@ def test_the_start_and_the_impact_of_a_joint_count_it():
     assert isinstance(joined.joint, Engaged)
 
 
+def test_impacts_turn_the_rotor_on_the_ground_too():
+    """An end stop between two bodies on a hinge of the ground: energy and momenta balance to the tolerance of the run,
+    as the angular momentum of the bodies changes by the impulse that their rotor takes from the ground.
+    """
+    arm, hand = bodies(2, seed=5)
+    shoulder = Revolute(GROUND, arm, at=(0.3, -0.2, 0.5), axis=(1, 2, -2), name="shoulder", reflected_inertia=0.7)
+    elbow = Revolute(hand, arm, at=(0.6, 0.4, -0.1), axis=(2, -1, 3), name="elbow", reflected_inertia=0.2)
+    stop = EndStop(elbow, lower=-0.4, upper=0.9, restitution=0.6, name="stop")
+    system = System([arm, hand], [shoulder, elbow], [stop], gravity=(1.0, 3.0, -8.0))
+    run = simulate(system, 1.0, state=system.assemble(rates={shoulder: 2.0, elbow: 4.0}), rtol=1e-9)
+    assert len(run.events) > 1 and run.certificate.passed, run.certificate
+    twin = with_rotors(System([arm, hand], [shoulder, elbow], gravity=system.gravity))
+    plain = next(joint for joint in twin.joints if joint.name == "elbow")
+    same = EndStop(plain, lower=-0.4, upper=0.9, restitution=0.6, name="stop")
+    twin = System(twin.bodies, twin.joints, [same], gravity=system.gravity)
+    expected = simulate(twin, 1.0, state=twin.assemble(rates={"shoulder": 2.0, "elbow": 4.0}), rtol=1e-9)
+    # the rotors of the twin have 1e-6 kg, and a motion of some radians amplifies that by less than 100
+    assert abs(run.events[0].t - expected.events[0].t) < 1e-5
+    assert np.allclose(run.at(1.0).v[:12], expected.at(1.0).v[:12], rtol=1e-3, atol=1e-3)
+
+
 def test_published_numbers():
     """Two oblique links; own Newton-Euler equations by Jacobians, M + diag(reflected)."""
     one = Body("one", 2.0, (0.1, 0.12, 0.05), com=(0.1, 0.05, -0.6))
@@ -199,6 +319,28 @@ def test_published_numbers():
     assert [first, second] == pytest.approx([-1.0847785860420869, -13.59055874731695], rel=1e-12)
 
 
+def test_a_rotor_that_a_link_carries_is_another_thing():
+    """The same links; a disc on the first turns 3 times the second hinge: it feels that the first one turns too.
+
+    Own Newton-Euler equations by Jacobians.
+    """
+    axis = np.array([1, 0.1, -0.4])
+    one = Body("one", 2.0, (0.1, 0.12, 0.05), com=(0.1, 0.05, -0.6))
+    two = Body("two", 1.0, (0.05, 0.05, 0.01), com=(0, 0.03, -0.4), position=(0, 0, -1))
+    n = axis / np.linalg.norm(axis)
+    disc = 0.01 * (np.eye(3) + np.outer(n, n))  # axial 0.02, across 0.01 kg m^2
+    rotor = Body("rotor", 0.4, disc, position=(0, 0, -1))
+    a = Revolute(GROUND, one, at=(0, 0, 0), axis=(0.2, 1, 0.3), name="a")
+    b = Revolute(one, two, at=(0, 0, -1), axis=axis, name="b")
+    axle = Revolute(one, rotor, at=(0, 0, -1), axis=axis, name="axle")
+    system = System([one, two, rotor], [a, b, axle, Gear(b, axle, ratio=3.0)])
+    start = system.assemble(angles={"a": 0.886, "b": 0.023}, rates={"a": 3.81, "b": -3.353})
+    found = accelerations(system, start)
+    first = found.alpha(one)[0] @ a.axis
+    second = (found.alpha(two) - found.alpha(one))[0] @ (found.rotation(one)[0] @ b.axis)
+    assert [first, second] == pytest.approx([-5.1359035994805895, 2.6084818901063476], rel=1e-10)
+
+
 def test_files_keep_it_and_bad_input_is_refused(tmp_path):
     system = chain(False)
     system.to_file(tmp_path / "model.json")
@@ -207,5 +349,7 @@ def test_files_keep_it_and_bad_input_is_refused(tmp_path):
     b = bodies(1)[0]
     with pytest.raises(ValueError, match="reflected_inertia"):
         Revolute(GROUND, b, at=(0, 0, 0), axis=(0, 0, 1), reflected_inertia=-1.0)
+    with pytest.raises(ValueError, match="reflected_inertia"):
+        Spherical(GROUND, b, at=(0, 0, 0), reflected_inertia=-1.0)
     with pytest.raises(ValueError, match="reflected_mass"):
         Prismatic(GROUND, b, at=(0, 0, 0), axis=(0, 0, 1), reflected_mass=np.nan)

@@ -6,11 +6,13 @@ import pytest
 from mbsd3d import (
     GROUND,
     Body,
+    EndStop,
     Prismatic,
     Revolute,
     RotationSpring,
     Spherical,
     SumSpring,
+    SumStop,
     System,
     TorsionSpring,
     accelerations,
@@ -96,6 +98,34 @@ def test_a_slack_sum_does_not_pull_and_runs_balance():
     assert off.any() and not off.all() and run.certificate.passed
 
 
+def test_a_stop_of_a_sum_is_that_of_its_coordinates():
+    """Of w x a limit is w times that of x, and a stiffness w^2 times; of three it presses back beyond its limits."""
+    runs = []
+    for k in range(2):
+        bodies, joints = chain(1)
+        w, limits = -0.3, {"lower": -0.4, "upper": 0.2}
+        stop = (
+            EndStop(joints[0], **limits, stiffness=500.0, damping=3.0, name="stop")
+            if k == 0
+            else SumStop(joints[0], weights=[w], lower=0.2 * w, upper=-0.4 * w, stiffness=500.0 / w**2,
+                         damping=3.0 / w**2, name="stop")
+        )  # fmt: skip
+        system = System(bodies, joints, [stop])
+        runs.append(simulate(system, 1.5, state=system.assemble(rates={joints[0]: 3.0}), rtol=1e-10, output=301))
+        assert runs[-1].certificate.passed
+    joint = [run.system.joints[0] for run in runs]
+    assert np.allclose(runs[0].angle(joint[0]), runs[1].angle(joint[1]), rtol=0, atol=1e-8)
+    assert np.allclose(runs[0].force("stop").stored, runs[1].force("stop").stored, rtol=0, atol=1e-6)
+    assert runs[0].force("stop").stored.any()
+    bodies, joints = chain(3)
+    stop = SumStop(joints, weights=(1.0, 0.5, 2.0), lower=-0.2, upper=0.3, stiffness=3e3, damping=20.0, name="stop")
+    run = simulate(System(bodies, joints, [stop]), 1.0, rtol=1e-9)
+    x = run.angle(joints[0]) + 0.5 * run.angle(joints[1]) + 2.0 * run.slide(joints[2])
+    off = x - np.clip(x, -0.2, 0.3)
+    assert np.abs(run.force(stop).stored - 1500.0 * off**2).max() < 1e-9
+    assert off.any() and not off.all() and run.certificate.passed
+
+
 def test_files_keep_both(tmp_path):
     bodies, joints = chain(3)
     parts = [SumSpring(joints, stiffness=3.0, rest=(-0.2, 0.3)), RotationSpring(GROUND, bodies[0], stiffness=2.0)]
@@ -114,6 +144,12 @@ def test_bad_input_is_refused():
     ):
         with pytest.raises(ValueError, match=message):
             SumSpring(hinge, **{"stiffness": 1.0} | wrong)
+        if "rest" not in wrong:
+            with pytest.raises(ValueError, match=message):
+                SumStop(hinge, **{"stiffness": 1.0, "upper": 1.0} | wrong)
+    for wrong, message in (({}, "neither lower nor upper"), ({"lower": 1.0, "upper": 0.5}, "1 is not below upper")):
+        with pytest.raises(ValueError, match=message):
+            SumStop(hinge, stiffness=1.0, **wrong)
     with pytest.raises(ValueError, match="no joints"):
         SumSpring((), stiffness=1.0)
     with pytest.raises(ValueError, match="itself"):

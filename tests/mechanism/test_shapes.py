@@ -166,8 +166,8 @@ def test_normals_leave_rims_sharp_and_sides_round():
         (lambda: Sphere(1, colour="none"), "Sphere: colour 'none' is unknown"),
         (lambda: Sphere(1, colour=(1, 0, 0)), r"Sphere: colour \(1, 0, 0\) is unknown"),
         (
-            lambda: MeshFile("part.step"),
-            r"MeshFile: path 'part.step' is not a mesh; give one that ends in .stl, .obj",
+            lambda: MeshFile("part.iges"),
+            r"MeshFile: path 'part.iges' is not a mesh; give one that ends in .stl, .obj",
         ),
         (lambda: MeshFile(3), "MeshFile: path is 3; give the name of a file"),
         (lambda: MeshFile("part.stl", 0), "MeshFile: scale: 0.0 is not positive"),

@@ -167,7 +167,7 @@ def test_a_product_beyond_what_can_be_computed_with_is_refused():
 
 def test_an_input_in_nested_products_keeps_all_factors():
     (term,) = (2.0 * (-3.0 * (0.5 * Input("throttle", 4.0)))).terms()
-    assert (term.data.tolist(), term.input, term.factor) == ([-12.0], ("throttle", 4.0), -3.0)
+    assert (term.data.tolist(), term.input, term.factor) == ([-12.0, 0.0], ("throttle", 4.0), -3.0)
 
 
 def test_interval_is_what_all_tables_share():
@@ -190,7 +190,9 @@ def test_compiled_meaning_is_the_same(signal):
     terms, tables = signal.terms(), Signals()
     tables.add(Constant(7.0))  # the signal is not the first one in the tables
     tables.add(signal)
-    spans, parts, data = tables.arrays()
+    spans = np.array(tables.spans, [("first", int), ("end", int)])
+    parts = np.array(tables.terms, [("kind", int), ("first", int), ("end", int)])
+    data = np.concatenate(tables.data)
     model = SimpleNamespace(signal=spans.view(np.recarray), term=parts.view(np.recarray), term_data=data)
     kernel = getattr(kernels.signal, "py_func", kernels.signal)
     for t in (*INSIDE, *TIMES, -0.3, 2.9):
@@ -295,7 +297,7 @@ def test_a_table_comes_from_a_file(tmp_path):
         ("t,f\n0,1\n", {"values": 2}, "no column 2; give one of t, f"),
         ("t,f\n0,1\n1,x\n", {}, "row 3, '1,x', has no two numbers; correct it"),
         ("t,f\n0,1\n1\n", {}, "row 3, '1', has no two numbers"),
-        ("t,f\n0,1\n", {}, "Table: 1 points; a cubic spline needs 4"),
+        ("t,f\n0,1\n", {}, "Table: 1 point; a cubic spline needs 4"),
         ("0,x\n1,2\n2,3\n3,4\n4,5\n", {}, "row 1, '0,x', has no two numbers"),  # no row of titles
     ],
 )

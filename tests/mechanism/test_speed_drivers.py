@@ -122,7 +122,10 @@ def test_files_keep_them(tmp_path):
         (lambda a, b, nut, rod: SpeedDriver(a, b, speed=1.0), "neither axis nor direction; give axis= for .* rad/s"),
         (lambda a, b, nut, rod: SpeedDriver(a, b, axis=(1, 0, 0), direction=(1, 0, 0), speed=1.0), "both axis and"),
         (lambda a, b, nut, rod: SpeedDriver(a, b, axis=(1, 0, 0)), "no speed; give speed= in rad/s"),
-        (lambda a, b, nut, rod: SpeedDriver(a, b, axis=(1, 0, 0), at=(0, 0, 0), speed=1.0), "a turn has no point"),
+        (
+            lambda a, b, nut, rod: SpeedDriver(a, b, axis=(1, 0, 0), at=(0, 0, 0), speed=1.0),
+            "a rotation needs no point",
+        ),
         (lambda a, b, nut, rod: SpeedDriver(a, 3.0, axis=(1, 0, 0), speed=1.0), "b = 3.0 is not a body"),
         (lambda a, b, nut, rod: SpeedDriver(joint=a, speed=1.0), "has neither angle nor slide"),
         (lambda a, b, nut, rod: SpeedDriver(pin(a, b), 1.0, speed=2.0), "two speeds, 1.0 and 2.0; give one"),

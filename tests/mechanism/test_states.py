@@ -226,7 +226,7 @@ def feedback(**changes):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: feedback(gains=(1.0,)), r"servo.*gains: 1 values for 2 measures"),
+        (lambda: feedback(gains=(1.0,)), r"servo.*gains: 1 value for 2 measures"),
         (lambda: feedback(gains=(1.0, np.nan)), r"servo.*gains no. 2: not finite"),
         (lambda: feedback(gains=3.0), r"servo.*gains: 3.0 is not a sequence"),
         (lambda: feedback(reference=(1.0, 2.0, 3.0)), r"servo.*reference: 3 values for 2 measures"),

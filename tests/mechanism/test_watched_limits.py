@@ -73,7 +73,7 @@ WRONG = [
     ),
     (lambda: System([ARM], [HINGE], limits=["hinge"]), "limits: 'hinge' is not a limit; give Limit"),
     (lambda: System([ARM], [HINGE], limits=3), "limits: 3 is not a sequence"),
-    (lambda: System([ARM], [HINGE], notes=[3]), "notes: 3 is not a text"),
+    (lambda: System([ARM], [HINGE], notes=[3]), "notes: 3 is not a string"),
     (lambda: System([ARM], [HINGE], notes=["a\x1b[2Jb"]), "notes name .* holds control characters"),
     (lambda: Limit(HINGE, "angle", 0.0, 1.0, "a\x1b[2Jb"), "limit: name .* holds control characters"),
 ]

@@ -150,7 +150,7 @@ def test_a_file_and_a_page_have_it(tmp_path):
     run = simulate(system, 0.5, output=9)
     assert np.array_equal(load(run.save(tmp_path / "run")).force("anchor").rate, run.force("anchor").rate)
     system.show().save(tmp_path / "shown")
-    for name in ("page", "page.glb"):
+    for name in ("page", "other.html"):
         assert run.animate().save(tmp_path / name).stat().st_size > 10_000
 
 

@@ -13,9 +13,10 @@ from helpers.double_pendulum import LOWER_ARM, UPPER_ARM, WHEEL, pendulum
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from mbsd3d import GROUND, Body, Revolute, SpeedDriver, System, accelerations, save_figure, simulate
+from mbsd3d import GROUND, Body, Clutch, Revolute, SpeedDriver, System, accelerations, save_figure, simulate
 from mbsd3d.extend import theme
-from mbsd3d.plotting.panels import acts
+from mbsd3d.plotting.default_curves import default_curves
+from mbsd3d.plotting.panels import acts, panels_of
 from mbsd3d.plotting.plots import plot_quantity
 
 QUANTITIES = (
@@ -151,10 +152,17 @@ def test_names_are_written_as_they_are():
     assert tuple(text.get_text() for text in figure.axes[0].get_legend().get_texts()) == names
 
 
-def test_a_long_legend_is_cut():
-    bodies = [Body(f"b{k}", 1.0, (0.1, 0.2, 0.3), position=(k, 0, 0)) for k in range(30)]
-    texts = simulate(System(bodies), 0.1, output=3).plot("com").axes[0].get_legend().get_texts()
-    assert len(texts) == 14 and texts[-1].get_text() == "and 17 more"
+def test_a_long_legend_names_the_strongest():
+    """Of 100 bodies on a line, shuffled, the ten farthest ones, which alone have colours and whole widths."""
+    places = np.random.default_rng(3).permutation(100) - 50.3  # of both signs, no two of one size
+    bodies = [Body(f"b{k}", 1.0, (0.1, 0.2, 0.3), position=(x, 0, 0)) for k, x in enumerate(places)]
+    axes = simulate(System(bodies), 0.1, output=3).plot("com").axes[0]
+    texts = [text.get_text() for text in axes.get_legend().get_texts()]
+    far = np.argsort(-np.abs(places))[:10]
+    assert texts == [*(f"b{k}" for k in far), "and 90 smaller ones"] and len(axes.lines) == 100
+    plain = {k for k, line in enumerate(axes.lines) if to_hex(line.get_color()) == theme(False).muted}
+    assert plain == set(range(100)).difference(far)
+    assert len({(axes.lines[k].get_color(), axes.lines[k].get_linestyle()) for k in far}) == 10
 
 
 @pytest.mark.parametrize(
@@ -232,3 +240,40 @@ def test_a_plot_without_a_quantity_is_what_a_page_shows():
     assert len(fall.plot().axes) == 2  # no joints: angular velocity and energies
     with pytest.raises(ValueError, match="plot: parts without a quantity; give one"):
         run.plot(None, hinge)
+
+
+def test_one_quantity_with_its_part_is_drawn_as_in_a_list(solution):
+    hinge = solution.system.joints[0]
+    for part in (hinge, hinge.name):
+        alone, listed = solution.plot(("reaction", part)), solution.plot([("reaction", part)])
+        assert [x.get_ylabel() for x in alone.axes] == [x.get_ylabel() for x in listed.axes]
+    assert len(solution.plot(("angle", "energy")).axes) > 1
+
+
+def test_two_quantities_are_pointed_to_a_list(solution):
+    with pytest.raises(
+        ValueError, match=r"'energy' is a quantity, not a part; several are a list: \['angle', 'energy'\]"
+    ):
+        solution.plot("angle", "energy")
+
+
+def test_what_switches_is_drawn_as_engaged_or_not():
+    one = Body("one", 1.0, (0.3, 0.3, 0.5), omega=(0, 0, 6.5))
+    two = Body("two", 1.0, (0.6, 0.6, 1.0), omega=(0, 0, 0))
+    shaft = Revolute(GROUND, one, at=(0, 0, 0), axis=(0, 0, 1), name="shaft")
+    bearing = Revolute(one, two, at=(0, 0, 0.1), axis=(0, 0, 1), name="bearing")
+    clutch = Clutch(bearing, torque=2.0, engaged=True, name="clutch")
+    run = simulate(System([one, two], [shaft, bearing], [clutch]), 3.0)
+    (panel,) = panels_of(run, "engaged")
+    ((name, values),) = panel.lines
+    locks = 6.5 / (2.0 / 0.5 + 2.0 / 1.0)  # the rates meet
+    assert name == "clutch" and run.events[0].t == pytest.approx(locks, rel=1e-9)
+    assert np.array_equal(values[run.t < locks - 1e-6], np.zeros(np.sum(run.t < locks - 1e-6)))
+    assert values[run.t > locks + 1e-6].min() == 1.0 and values.shape == run.t.shape
+    assert "engaged" in {entry[0] for entry in default_curves(run) if isinstance(entry, tuple)}
+    for some in (run, simulate(System([one, two], [shaft, bearing], [clutch]), 0.5)):  # the second one never locks
+        axes = some.plot("engaged", "clutch").axes[0]
+        assert axes.get_ylabel().startswith("engaged") and axes.get_ylim() == pytest.approx((-0.05, 1.05), abs=1e-12)
+    for part in ("shaft", shaft):
+        with pytest.raises(ValueError, match="engaged: give parts that switch at events; .* 'clutch'"):
+            run.plot("engaged", part)

@@ -628,6 +628,33 @@ def test_what_went_wrong_before_the_first_sample_counts(times):
     assert np.abs(late.at(20.0).q - whole.at(20.0).q).max() < 1e-5  # a step of another length: errors grow from 1e-9
 
 
+def test_runs_that_follow_each_other_say_from_when_on_errors_count():
+    """The second run of a pendulum starts where the first one ended, too late: it cannot know, and says from when on
+    its estimate counts. The energy balance fails both, as the load of the hinge, which does no work, is none of it.
+    """
+    axis = np.array([2.0, -1.0, 2.0]) / 3.0
+    bob = Body("bob", 1.3, (0.03, 0.05, 0.04), com=(0.5, 0.3, -0.2))
+    hinge = Revolute(GROUND, bob, at=(0.1, -0.2, 0.3), axis=axis)
+    system = System([bob], [hinge], gravity=(2.0, -3.0, -9.0))
+    start, method = system.assemble(rates={hinge: 9.0}), GeneralizedAlpha(dt=0.01)
+    first = simulate(system, 6.0, state=start, method=method)
+    second = simulate(system, 7.0, state=first.final, method=method)
+    arm = bob.com - hinge.at
+    across = arm - (arm @ axis) * axis
+    moment = axis @ np.diag(bob.inertia.diagonal()) @ axis + 1.3 * across @ across
+    pull = 1.3 * np.array([np.cross(axis, across) @ system.gravity, -across @ system.gravity])
+
+    def rates(t, y):
+        return y[1], (pull[0] * np.cos(y[0]) + pull[1] * np.sin(y[0])) / moment
+
+    true = solve_ivp(rates, (0, 7), (0, 9.0), rtol=1e-11, atol=1e-11).y[0, -1]
+    known = [run.estimate() for run in (first, second)]
+    assert abs(second.angle(hinge)[-1] - true) > 3.0 * known[1].error
+    assert known[1].global_error.startswith("ok") and "added from 6 s on" in known[1].global_error
+    assert "finds what is added from 6 s on" in str(second.certificate) and "added" not in str(known[0])
+    assert not any(run.certificate["energy balance"].passed for run in (first, second))
+
+
 def test_one_state_has_no_global_error():
     system, state = swinging()
     with pytest.raises(ValueError, match="nothing was integrated"):

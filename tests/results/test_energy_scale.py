@@ -55,7 +55,7 @@ def test_a_body_that_falls_without_turning_has_the_energy_of_its_fall(method):
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: type(method).__name__)
 def test_a_machine_that_has_come_to_rest_is_judged_by_how_it_moved(method):
-    """Start and sample are at rest; what the method damped of the swing between is no large share of nothing."""
+    """Start and sample are at rest; what the method damped of the swing between is not a large share of nothing."""
     bob = Body("bob", 2.0, (0.1, 0.2, 0.25), com=(0.1, 0.05, -0.6))
     hinge = Revolute(GROUND, bob, at=(0, 0, 0), axis=(0.1, 1.0, 0.2), name="hinge")
     system = System([bob], [hinge], forces=[TorsionSpring(hinge, stiffness=0.0, damping=1.0)])

@@ -180,7 +180,7 @@ def test_slips_are_named(run):
         run.measure(measures.distance(a, other))
     with pytest.raises(ValueError, match="solution.measure: 'distance' is not a measure"):
         run.measure("distance")
-    with pytest.raises(ValueError, match="parallel at the reference pose; say about which axis with about="):
+    with pytest.raises(ValueError, match="parallel at the reference pose; give the axis as about="):
         measures.angle_between(a, b, axis_a=(1, 2, 3), axis_b=(1, 2, 3))
     with pytest.raises(ValueError, match=r"measures.heading: \[0.0, 0.0, 1.0\] lies along the axis"):
         measures.heading(b, forward=(0, 0, 2))
@@ -206,3 +206,40 @@ def test_force_and_joint_are_untouched_by_measures():
     plain = simulate(system, 0.5, output=3)
     watched = simulate(system, 0.5, output=3, stop_when=measures.heading(bob) > 1e3)
     assert np.array_equal(plain.position(bob), watched.position(bob))
+
+
+def test_measures_take_numbers_as_factors_and_summands(run):
+    height = measures.position(run.system.part("a"), axis=(0.2, 0.3, -1.0))
+    values = run.measure(height)
+    for made, known in (
+        (2.5 * height, 2.5 * values), (height * np.float64(2.5), 2.5 * values), (-height / 4.0, -values / 4.0),
+        (3.0 * (height + 0.25), 3.0 * values + 0.75), (1.0 - 2.0 * height, 1.0 - 2.0 * values),
+    ):  # fmt: skip
+        assert made.unit == "m" and run.measure(made) == pytest.approx(known, rel=1e-14, abs=1e-14)
+    both = run.measure([height, 2.0 * height])
+    assert np.array_equal(both[:, 1], 2.0 * both[:, 0])
+    assert run.plot(2.0 * height - 1.0).axes[0].get_ylabel().split()[:2] == ["2", "x"]
+
+
+def test_conditions_on_scaled_measures_stop_where_the_plain_ones_do():
+    system = tumbling()
+    height = measures.position(system.part("a"), axis=(0.0, 0.0, 1.0))
+    level = simulate(system, 0.8, output=9).measure(height)[4]
+    plain = simulate(system, 0.8, stop_when=height < level)
+    for condition in (3.0 * height - 0.5 < 3.0 * level - 0.5, 1.0 - height > 1.0 - level):
+        assert simulate(system, 0.8, stop_when=condition).t[-1] == pytest.approx(plain.t[-1], rel=1e-12, abs=0.0)
+    assert 0.0 < plain.t[-1] < 0.8
+
+
+def test_what_measures_do_not_take_says_so(run):
+    height = measures.position(run.system.part("a"), axis=(0.0, 0.0, 1.0))
+    spin = measures.omega(run.system.part("a"), axis=(0.0, 0.0, 1.0))
+    for wrong, text in (
+        (lambda: height * 0.0, r"\* 0 is 0 whatever the motion"), (lambda: height / 0, "give another divisor"),
+        (lambda: height + spin, "combines with numbers only"), (lambda: height * "x", "expected a number, got 'x'"),
+        (lambda: (height > 1.0) & (spin < 2.0), "single comparison: run to the first one"),
+        (lambda: (height > 1.0) | (spin < 2.0), "joined by & or |"),
+        (lambda: linearize(run.system, run.state(0), outputs=[2.0 * height]), "scale gains or results"),
+    ):  # fmt: skip
+        with pytest.raises(ValueError, match=text):
+            wrong()

@@ -165,7 +165,7 @@ def test_what_is_not_determined_or_not_known_yet_is_refused(run):
     ):
         StateFeedback(measures=[measures.reaction(hinge)], gains=[1.0], on=hinge)
     rest = System([run.system.bodies[0]], [hinge], gravity=run.system.gravity)
-    with pytest.raises(ValueError, match="reaction force of hinge is no function of the states alone"):
+    with pytest.raises(ValueError, match="reaction force of hinge is not a function of the states alone"):
         linearize(rest, rest.equilibrium().state, outputs=[measures.reaction(hinge)])
     with pytest.raises(ValueError, match="joint 'hinge' is not in the system"):
         simulate(System(run.system.bodies, run.system.joints[1:]), 0.1).measure(measures.reaction(hinge))

@@ -4,20 +4,28 @@ import numpy as np
 import pytest
 
 from mbsd3d import (
+    DOP853,
     GROUND,
+    RK4,
     AngleDriver,
     Body,
     Clutch,
     Constant,
     Cylindrical,
+    EndStop,
     Freewheel,
+    GeneralizedAlpha,
     Prismatic,
+    RadauIIA,
     Ramp,
     Ratchet,
     Revolute,
+    Rope,
     Sine,
     System,
     Torque,
+    TorsionSpring,
+    Winch,
     load,
     measures,
     rotation,
@@ -28,6 +36,7 @@ from mbsd3d.rotations import matrix
 R = matrix(rotation((0.3, -0.5, 0.8), 1.1))
 AXIS = R[:, 2]
 PLACE = np.array([0.7, -1.3, 0.4])
+RIM = 0.11  # m, of a drum
 
 
 def shaft(name, J, place, **motion):
@@ -119,6 +128,33 @@ def test_a_ratchet_loses_the_rest_of_each_stroke(tmp_path):
     assert np.array_equal(*short)
 
 
+def test_a_driven_pawl_takes_a_load_from_the_pawl_that_holds_it():
+    """Each stroke carries the drum ahead; back, it follows the driven lever to the last tooth that it has passed.
+
+    Where the lever turns, both pawls touch without a rate: the driven one takes the drum along and the other lets go.
+    """
+    stroke, w, n, pull = 0.6, 10.0, 4, 20.0
+    back = Constant(-stroke / 2) + Sine(stroke / 2, w / 2 / np.pi, np.pi / 2)  # back first, then ahead
+    lever, first = shaft("lever", 0.1, 0.0)
+    drum, bearing = shaft("drum", 0.2, 0.3)
+    between = Cylindrical(lever, drum, at=PLACE, axis=AXIS, name="between")
+    pawls = [
+        Freewheel(between, name="driving"),
+        Ratchet(bearing, teeth=24, name="holding"),
+    ]
+    joints = [first, bearing, between, AngleDriver(first, back, name="arm")]
+    system = System([lever, drum], joints, [*pawls, Torque(drum, -pull * AXIS)], gravity=(0, 0, 0))
+    run = simulate(system, n * 2 * np.pi / w + 1e-3, state=system.assemble(), rtol=1e-10)
+    tooth = 2 * np.pi / 24
+    # of each stroke, 2.29 teeth, two are left; the last one ends 1e-3 s before, and 1.5e-5 rad back
+    assert abs(run.angle(bearing)[-1] - ((n - 1) * 2 * tooth + stroke)) < 2e-5
+    handed = [event for event in run.events if event.action == "locks, 'holding' lets go"]
+    assert len(handed) == n and all(event.lost == 0.0 for event in handed)
+    # at each end of a stroke ahead, when the lever has gone half a turn of its sine
+    assert np.allclose([event.t for event in handed], (np.arange(n) + 0.5) * 2 * np.pi / w, rtol=0.0, atol=1e-9)
+    assert run.certificate.passed
+
+
 def test_a_freewheel_locks_at_once_against_a_rate():
     one, first = shaft("one", 1.0, 0.0, omega=6.5 * AXIS)
     two, second = shaft("two", 2.0, 0.3, omega=(0, 0, 0))
@@ -143,3 +179,94 @@ def test_what_is_refused():
         Ratchet(hinge, teeth=2.5)
     with pytest.raises(ValueError, match="torque"):
         Clutch(hinge, torque=0.0, engaged=True)
+
+
+def test_an_impact_elsewhere_does_not_turn_a_freewheel_back():
+    """Two links in a plane: the upper one meets a rigid stop, which would throw the elbow back against its pawls."""
+    upper, lower = (Body(name, 1.0, (0.05, 0.05, 0.05), com=(0.3, 0, 0), position=(x, 0, 0)) for name, x in
+                    (("upper", 0.0), ("lower", 0.6)))  # fmt: skip
+    shoulder = Revolute(GROUND, upper, at=(0, 0, 0), axis=(0, 0, 1), name="shoulder")
+    elbow = Revolute(upper, lower, at=(0.6, 0, 0), axis=(0, 0, 1), name="elbow")
+    stop = EndStop(shoulder, lower=-0.4, restitution=0.5, name="stop")
+    system = System([upper, lower], [shoulder, elbow], [stop, Freewheel(elbow, name="pawls")], gravity=(0, 0, 0))
+    start = system.assemble(angles={elbow: 0.4}, rates={shoulder: -2.0, elbow: 0.1})
+    run = simulate(system, 0.6, state=start, rtol=1e-11)
+    event = next(x for x in run.events if "stop" in x.impulses)
+    before, after = (int(np.searchsorted(run.t, event.t, side=side)) for side in ("left", "right"))
+    v, turned = np.array([run.rate(x)[before] for x in (shoulder, elbow)]), run.angle(elbow)[before]
+    c = 0.6 * 0.3 * np.cos(turned)
+    free = np.linalg.inv([[0.05 + 0.09 + 0.36 + 0.14 + 2 * c, 0.14 + c], [0.14 + c, 0.14]])[0]
+    assert v[1] - 1.5 * v[0] * free[1] / free[0] < -0.1  # of the elbow, if the stop pushed alone
+    assert np.abs([run.rate(shoulder)[after - 1] + 0.5 * v[0], run.rate(elbow)[after - 1]]).max() < 1e-12
+    assert set(event.impulses) >= {"stop", "pawls"}
+    assert run.rate(elbow).min() > -1e-12 and run.certificate.passed
+
+
+def winch_with_pawls(swing, frequency, teeth, drum, weight, stiffness):
+    """A lever swings and takes a drum along, which a pawl holds; a weight hangs from it by an elastic rope."""
+    lever = Body("lever", 1.0, (0.05, 0.05, 0.02))
+    reel = Body("reel", 2.0, (0.1, 0.1, drum))
+    load = Body("load", weight, (0.1, 0.1, 0.1), position=(RIM, -1.0, 0))
+    hinge = Revolute(GROUND, reel, at=(0, 0, 0), axis="z", name="hinge")
+    pivot = Revolute(GROUND, lever, at=(0, 0, 0.1), axis="z", name="pivot")
+    between = Cylindrical(lever, reel, at=(0, 0, 0.05), axis="z", name="between")
+    guide = Prismatic(GROUND, load, at=load.position, axis="y", name="guide")
+    crank = AngleDriver(pivot, Constant(swing) + Sine(-swing, frequency, np.pi / 2), name="crank")
+    damping = 0.02 * np.sqrt(stiffness * weight)
+    rope = Rope((Winch(hinge, radius=RIM, sense=-1), (load, load.position)), stiffness=stiffness, damping=damping)
+    pawls = [Freewheel(between, name="driving pawl"), Ratchet(hinge, teeth=teeth, name="holding pawl")]
+    return System([reel, lever, load], [hinge, pivot, between, guide, crank], [*pawls, rope], gravity=(0, -9.81, 0))
+
+
+def stepped(swing, frequency, teeth, drum, weight, stiffness, t_end, dt):
+    """March angle of the drum and height of the weight in small steps, with the rates that the pawls allow."""
+    pitch, w, c = 2 * np.pi / teeth, 2 * np.pi * frequency, 0.02 * np.sqrt(stiffness * weight)
+    x, v, y, u, tooth = 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(round(t_end / dt)):
+        tension = max(0.0, stiffness * (RIM * x - y) + c * (RIM * v - u)) if RIM * x > y else 0.0
+        u += dt * (tension / weight - 9.81)
+        v += -dt * RIM * tension / drum
+        v = max(v, swing * w * np.sin(w * (k + 1) * dt), (tooth - x) / dt)
+        x, y = x + dt * v, y + dt * u
+        tooth = max(tooth, np.floor(x / pitch) * pitch)
+    return x, y
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_pawls_and_an_elastic_rope(seed):
+    """Where the rope swings, a pawl lets go and is at rest at its tooth again and again, without load or rate."""
+    rng = np.random.default_rng([seed, 7])
+    given = (
+        rng.uniform(0.2, 0.5), rng.uniform(0.8, 1.8), int(rng.integers(12, 40)), rng.uniform(0.01, 0.05),
+        rng.uniform(3.0, 20.0), 10 ** rng.uniform(3.7, 4.5),
+    )  # fmt: skip
+    system = winch_with_pawls(*given)
+    run = simulate(system, 1.2, state=system.assemble())
+    assert run.certificate.passed and len(run.events) > 5
+    assert run.rate("between").min() > -1e-8 * np.abs(run.rate("hinge")).max()  # a hundred times what events miss
+    x, y = stepped(*given, 1.2, 2e-5)  # steps of first order: halved, they change the end by less than 3e-5
+    assert np.isclose(run.angle("hinge")[-1], x, rtol=0.0, atol=6e-5)
+    assert np.isclose(run.slide("guide")[-1], y, rtol=0.0, atol=6e-5)
+
+
+@pytest.mark.parametrize("method", [DOP853(), RadauIIA(), GeneralizedAlpha(dt=0.01), RK4(dt=0.01)], ids=repr)
+@pytest.mark.parametrize(
+    "part",
+    [
+        Freewheel,
+        lambda hinge: Ratchet(hinge, teeth=11),
+        lambda hinge: Clutch(hinge, torque=2.0, engaged=True),
+        lambda hinge: EndStop(hinge, upper=0.7, restitution=0.4),
+    ],
+)
+def test_a_run_may_end_at_an_event_or_a_rounding_beside_it(part, method):
+    body, hinge = shaft("wheel", 0.2, 0.0, omega=3.0 * AXIS)
+    system = System([body], [hinge], [TorsionSpring(hinge, stiffness=0.8), part(hinge)])
+    end = at_event = simulate(system, 5.0, method=method).events[0].t
+    for _ in range(3):
+        end = np.nextafter(end, -np.inf)
+    for _ in range(7):
+        run = simulate(system, end, method=method, output=[0.0, 0.3 * end, end])
+        assert run.certificate.passed and abs(run.t[-1] - end) < 1e-15 and len(run.events) <= 1
+        assert simulate(system, at_event + 0.01, method=method, state=run.final).certificate.passed
+        end = np.nextafter(end, np.inf)

@@ -3,6 +3,7 @@
 import json
 import sys
 import zipfile
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -39,7 +40,7 @@ pytest.importorskip("pythonfmu3", reason="the extra fmu is not installed")
 fmpy = pytest.importorskip("fmpy", reason="the extra fmu is not installed")
 
 from fmpy.validation import validate_fmu  # noqa: E402
-from helpers.fmu_host import FMICallException, hosted, write_controller  # noqa: E402
+from helpers.fmu_host import FMICallException, half_of_a_pair, hosted, write_controller  # noqa: E402
 
 
 def stand(stiffness=3.0, pole=0.3):
@@ -83,9 +84,11 @@ def test_what_is_written_is_valid_and_says_its_units(tmp_path):
 
 SWITCHING = ("Switched", "Breaks", "Clutch", "Freewheel", "Ratchet")  # a Stepper refuses them
 JOINTS = {cls.__name__: make for cls, make in EXAMPLES.items() if cls.__name__ not in SWITCHING}
+# functions, and stops beyond which the reference pose lies
+OUT_OF_PLACE = ("CustomForce", "ConeStop", "EndStop", "LinearActuator", "PointStop", "PinPlay")
 MODELS = [
     *JOINTS,
-    *(name for name in FORCES if not name.startswith(("CustomForce", "ConeStop", "EndStop", "LinearActuator"))),
+    *(name for name in FORCES if not name.startswith(OUT_OF_PLACE)),
 ]
 
 
@@ -235,10 +238,38 @@ def test_the_certificate_is_in_the_log(tmp_path):
         text = host.lines[-1][1]
     assert text.startswith("stand, mbsd3d ")
     for part in (
-        "passed: DOP853", "rtol 1e-08", "joint gaps", "energy balance", "1 times back to an earlier state; model ",
+        "passed: DOP853", "rtol 1e-08", "joint gaps", "energy balance", "1 time back to an earlier state; model ",
         "inputs held over communication steps of up to 0.02 s",
     ):  # fmt: skip
         assert part in text
+
+
+def test_the_certificate_says_what_holding_creates(tmp_path):
+    """An undamped pair of masses in two FMUs: its energy grows by what the jumps at both ports say, to H^2.
+
+    The work at the ports is that of the forces, from the energies of the halves.
+    """
+    m1, m2, k1, kc, length = 1.1, 0.6, 90.0, 70.0, 0.001
+    near, x1, rail1 = half_of_a_pair("near", m1, k1 + kc, 0.0, kc * Input("x2"), x=1.0)
+    far, x2, rail2 = half_of_a_pair("far", m2, kc, 0.0, kc * Input("x1"))
+    one = near.to_fmu(tmp_path / "near.fmu", outputs={"x1": x1, "v1": measures.slide_rate(rail1)}, rtol=1e-10)
+    two = far.to_fmu(tmp_path / "far.fmu", outputs={"x2": x2, "v2": measures.slide_rate(rail2)}, rtol=1e-10)
+    with hosted(one, tmp_path / "one") as here, hosted(two, tmp_path / "two") as there:
+        here.start()
+        there.start(x1=1.0)
+        for k in range(501):
+            (x1, v1), (x2, v2) = here.get("x1", "v1"), there.get("x2", "v2")
+            here.set(x2=x2)
+            there.set(x1=x1)
+            if k < 500:
+                here.step(length * k, length)
+                there.step(length * k, length)
+        assert here.get("x1") + there.get("x2") == [x1, x2]
+        work, created = np.array([host.get("certificate.work", "certificate.created") for host in (here, there)]).T
+    gained = 0.5 * (m1 * v1**2 + m2 * v2**2 + k1 * x1**2 + kc * (x2 - x1) ** 2 - k1 - kc)
+    assert created.sum() == pytest.approx(gained, rel=0.005) and gained > 1.0  # 0.003 at 1 ms, and half of it at half
+    own = 0.5 * np.array([m1 * v1**2 + (k1 + kc) * (x1**2 - 1.0), m2 * v2**2 + kc * x2**2])
+    assert work == pytest.approx(own, abs=1e-6)
 
 
 def test_another_start_time(tmp_path):
@@ -252,13 +283,39 @@ def test_another_start_time(tmp_path):
         assert host.get("block.velocity[1]") == pytest.approx([5.1**2 - 5.0**2], rel=1e-8)
 
 
-def failing(host, call, words):
+def test_an_output_of_another_start_time_is_refused(tmp_path):
+    """What was read before the first step holds for any start time, or the step says that it does not."""
+    block = Body("block", 2.0, (0.1, 0.1, 0.1), velocity=(0, 0, 0), omega=(0, 0, 0))
+    rail = Prismatic(GROUND, block, at=(0, 0, 0), axis=(0, 1, 0), name="rail")
+    system = System([block], [rail], [Force(block, (Ramp(4.0) + Input("push"), 0, 19.62))])
+    seen = {"pull": measures.reaction(rail, axis=(-1, 0, 0)), "x": measures.position(block, axis=(1, 0, 0))}
+    path = written(system, tmp_path, outputs=seen)
+    with hosted(path, tmp_path / "one") as host:
+        host.start(t=5.0, push=1.0)
+        assert host.get("x") == [0.0]
+        host.set(push=2.0)
+        host.step(5.0, 0.1)
+        assert host.get("pull") == pytest.approx([4.0 * 5.1 + 2.0], rel=1e-9)
+    with hosted(path, tmp_path / "two") as host:
+        host.start(t=5.0, push=1.0)
+        host.get("pull")
+        host.set(push=2.0)
+        failing(host, lambda: host.step(5.0, 0.1), "'pull' was read before the first step, of 0 s: the start", "pull")
+    late = written(system, tmp_path, "late", outputs=seen, state=replace(system.state(), t=5.0))
+    assert float(fmpy.read_model_description(str(late)).defaultExperiment.startTime) == 5.0
+    with hosted(late, tmp_path / "three") as host:
+        host.start(t=5.0, push=1.0)
+        assert host.get("pull") == pytest.approx([4.0 * 5.0 + 1.0], rel=1e-12)
+        host.step(5.0, 0.1)
+
+
+def failing(host, call, words, output="pin.angle"):
     """A call that is an error whose sentence is in the log; from now on there is no value."""
     with pytest.raises(FMICallException) as caught:
         call()
     assert caught.value.status == 3  # fmi3Error; 4 would be fatal for all instances
     assert host.lines[-1][0] == 3 and words in host.lines[-1][1], host.lines
-    assert np.isnan(host.get("pin.angle")[0])
+    assert np.isnan(host.get(output)[0])
 
 
 def test_errors_are_errors_with_their_sentence(tmp_path):
@@ -310,6 +367,8 @@ def test_what_cannot_be_an_fmu_is_refused(tmp_path, monkeypatch):
         (lambda: system.to_fmu(path, outputs=["angle"]), "'angle' is not a measure"),
         (lambda: system.to_fmu(path, outputs=[measures.angle(pin)] * 2), "two are named '.*'; give a dict"),
         (lambda: system.to_fmu(path, outputs={"push": measures.angle(pin)}), "two are named 'push'"),
+        (lambda: system.to_fmu(path, outputs={"time": measures.angle(pin)}), "two are named 'time'; give a dict"),
+        (lambda: system.to_fmu(path, outputs={"certificate.work": measures.angle(pin)}), "two are named 'certificate"),
         (lambda: system.to_fmu(path, parameters=["spring"]), "'spring' is of no part; give e.g. 'spring.stiffness'"),
         (lambda: system.to_fmu(path, parameters=["spring.hinge"]), "'hinge' of 'spring' .* is not a number"),
         (lambda: system.to_fmu(path, state=ball.state()), "state"),

@@ -6,6 +6,7 @@ import zipfile
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 from mbsd3d import (
     GROUND,
@@ -27,7 +28,7 @@ from mbsd3d import (
 pytest.importorskip("pythonfmu3", reason="the extra fmu is not installed")
 pytest.importorskip("fmpy", reason="the extra fmu is not installed")
 
-from helpers.fmu_host import write_controller  # noqa: E402
+from helpers.fmu_host import half_of_a_pair, write_controller, write_old_controller  # noqa: E402
 
 M, POLE, INERTIA, ARM = 1.0, 0.3, 0.006, 0.3
 
@@ -66,7 +67,7 @@ def test_a_controller_holds_the_pole(tmp_path):
 
 
 def test_the_certificate_says_what_passed_at_the_ports(tmp_path):
-    """The work of the push over the cart, and its power at the samples times H, by sums of the samples of the run."""
+    """The work of the push over the cart, and what its jumps say, by sums of the samples of the run."""
     run = controlled(write_controller(tmp_path))
     run.advance(0.5)
     solution = run.solution()
@@ -77,12 +78,12 @@ def test_the_certificate_says_what_passed_at_the_ports(tmp_path):
     shift = np.diff(solution.position("cart")[:, 0])
     given = float((push * shift).sum())  # F dx is the work of a force that holds
     assert given == pytest.approx(energy.total[-1] - energy.total[0], rel=1e-6)
-    held = float((push * speed[:-1]).sum() * 0.01)
+    created = float((-np.diff(push) * speed[1:-1]).sum() * 0.005)  # half of what the power jumps by, times H
     note = next(text for text in solution.certificate.notes if text.startswith("controller 'pid.fmu'"))
     assert "sampled every 0.01 s, values held (order 1)" in note
-    said = [float(x) for x in re.findall(r"(?:gave|s is) (\S+) J", note)]
-    assert said == [pytest.approx(given, rel=1e-5), pytest.approx(held, rel=1e-5)]  # six digits are said
-    assert abs(held - given) > 0.01 * abs(given)  # what holding does
+    said = [float(x) for x in re.findall(r"(?:gave|created) (\S+) J", note)]
+    assert said == [pytest.approx(given, rel=1e-5), pytest.approx(created, rel=1e-5)]  # six digits are said
+    assert abs(created) > 0.01 * abs(given)  # what holding does
     path = solution.save(tmp_path / "run")
     assert note in load(path).certificate.notes
 
@@ -105,6 +106,44 @@ def test_the_coupling_is_of_order_one(tmp_path):
         errors.append(abs(run.measured[0] + 0.4 - exact))
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert orders == pytest.approx([1.0, 1.0], abs=0.15)  # terms of H^2 are a tenth at 0.02 s
+
+
+M1, M2, K1, KC, CC = 1.1, 0.6, 90.0, 70.0, 0.7  # [kg], [kg], [N/m], [N/m], [N s/m]
+
+
+def two_halves(folder, coupling, every, t_end, damping=CC):
+    """A pair of masses, the first in the process, the second in an FMU: x1, v1 go there, x2, v2 come back."""
+    there, x2, rail2 = half_of_a_pair("far", M2, KC, damping, KC * Input("x1") + damping * Input("v1"))
+    path = there.to_fmu(
+        folder / "far.fmu", outputs={"x2": x2, "v2": measures.slide_rate(rail2)}, rtol=1e-10, replace=True
+    )
+    here, x1, rail1 = half_of_a_pair("near", M1, K1 + KC, damping, KC * Input("x2") + damping * Input("v2"), x=1.0)
+    v1 = measures.slide_rate(rail1)
+    far = FmuController(path, reads={"x1": x1, "v1": v1}, sets={"x2": "x2", "v2": "v2"}, every=every, coupling=coupling)
+    run = Stepper(here, measures=[x1, v1], controllers=[far], rtol=1e-10)
+    run.advance(t_end)
+    return run
+
+
+@pytest.mark.parametrize(("coupling", "order"), [("held", 1.0), ("extrapolated", 2.0)])
+def test_the_order_of_the_coupling_of_two_halves(coupling, order, tmp_path):
+    """A damped pair of masses cut at its spring, against the matrix exponential of the whole."""
+    A = np.array([
+        [0, 1, 0, 0], [-(K1 + KC) / M1, -CC / M1, KC / M1, CC / M1],
+        [0, 0, 0, 1], [KC / M2, CC / M2, -KC / M2, -CC / M2],
+    ])  # fmt: skip
+    exact = expm(0.4 * A)[:2, 0]
+    errors = []
+    for every in (0.008, 0.004, 0.002):
+        run = two_halves(tmp_path, coupling, every, 0.4)
+        errors.append(np.abs(run.measured - exact).max())
+        assert f"values {coupling} (order {order:.0f})" in run.solution().certificate.notes[0]
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert orders == pytest.approx(order, abs=0.16)  # terms of the next order: a tenth at 8 ms
+    again = run.solution().again()  # with the slopes
+    assert again.final.q == pytest.approx(run.solution().final.q, abs=1e-8)
+    read = load(run.solution().save(tmp_path / "halves"))
+    assert read.certificate.passed and read.record.inputs == run.solution().record.inputs
 
 
 def test_two_controllers_at_different_rates(tmp_path):
@@ -177,6 +216,7 @@ def test_refusals(tmp_path, monkeypatch):
         (lambda: made(reads=[1.0]), r"reads = \[1.0\]; give a dict of name and a measure"),
         (lambda: made(sets={}), "sets is empty"),
         (lambda: made(every=0.0), "FmuController: every"),
+        (lambda: made(coupling="cubic"), "FmuController: coupling 'cubic'"),
         (lambda: made(parameters={"P": "x"}), "parameters: 'P': 'x'; give a name and a number"),
     ):
         with pytest.raises(ValueError, match=message):
@@ -185,7 +225,7 @@ def test_refusals(tmp_path, monkeypatch):
     for controllers, message in (
         ([made(reads={"angel": angle["angle"]})], "'pid.fmu' has no input 'angel', did you mean 'angle'? There are"),
         ([made(sets={"v": "push"})], "'pid.fmu' has no output 'v'; there are 'u'"),
-        ([made(sets={"u": "pull"})], "sets 'pull', which is no input of this system; there are 'push'"),
+        ([made(sets={"u": "pull"})], "sets 'pull', which is not an input of this system; there are 'push'"),
         ([made(), made()], "two set the input 'push'; let one set it"),
         ([made(tmp_path / "text.fmu")], "'text.fmu' cannot be loaded"),
         ([3.0], "Stepper: controllers: 3.0 is none; give an FmuController"),
@@ -198,11 +238,59 @@ def test_refusals(tmp_path, monkeypatch):
     run = Stepper(system, start, controllers=[made()])
     with pytest.raises(ValueError, match="input 'push' is set by 'pid.fmu'; leave it to it"):
         run.set("push", 1.0)
-    with pytest.raises(ValueError, match="snapshot: 'pid.fmu' does not go back"):
+    with pytest.raises(ValueError, match="^FmuController: 'pid.fmu' does not offer its state"):
         run.snapshot()
     monkeypatch.setitem(sys.modules, "fmpy", None)
     with pytest.raises(ValueError, match=r"needs the package fmpy; install it: pip install 'mbsd3d\[fmu\]'"):
         Stepper(system, start, controllers=[made()])
+
+
+def test_snapshots_with_a_controller(tmp_path):
+    """A PID that gives its sum away: all ways to a time lead to the same bits, between samples too."""
+    run = controlled(write_controller(tmp_path, goes_back=True))
+    run.advance(0.105)
+    there = run.snapshot()
+    run.advance(0.3)
+    one, notes = (run.measured.tolist(), run.t), run.solution().certificate.notes
+    later = run.snapshot()
+    run.advance(0.4)
+    other = run.measured.tolist()
+    for _ in range(2):
+        run.restore(there)
+        run.advance(0.3)
+        assert (run.measured.tolist(), run.t) == one and run.solution().certificate.notes == notes
+    run.restore(later)
+    run.advance(0.4)
+    assert run.measured.tolist() == other
+    fresh = controlled(write_controller(tmp_path))
+    for t in (0.105, 0.3, 0.4):
+        fresh.advance(t)
+    assert fresh.measured.tolist() == other
+
+
+def test_a_controller_of_fmi_2_is_the_same(tmp_path):
+    """The same law and numbers, and back to a snapshot."""
+    pytest.importorskip("pythonfmu", reason="pythonfmu, which writes FMUs of FMI 2.0, is not installed")
+    run = controlled(write_old_controller(tmp_path), rtol=1e-11)
+    run.advance(0.305)
+    there = run.snapshot()
+    run.advance(1.0)
+    once = run.measured
+    assert once[0] == pytest.approx(0.3046555031148647, abs=1e-9)
+    run.restore(there)
+    run.advance(1.0)
+    assert np.array_equal(run.measured, once)
+
+
+@pytest.mark.parametrize("coupling", ["held", "extrapolated"])
+def test_snapshots_with_a_mechanism_in_the_fmu(coupling, tmp_path):
+    run = two_halves(tmp_path, coupling, 0.01, 0.1)
+    there, found = run.snapshot(), []
+    for _ in range(2):
+        run.restore(there)
+        run.advance(0.2)
+        found.append((run.measured.tolist(), run.inputs, run.solution().certificate.notes))
+    assert found[0] == found[1]
 
 
 def test_an_fmu_that_fails_ends_the_run(tmp_path):

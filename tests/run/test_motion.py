@@ -203,7 +203,7 @@ def test_traces_follow_the_centres_that_move(solution, frames):
     [
         ([("foot", (0, 0, 0))], "'foot' is not one of the bodies of this system"),
         (["nix"], "'nix' is not one of the bodies of this system"),
-        ([3], "trace 3 is neither a body nor a pair; give a body, or"),
+        ([3], "trace 3 is neither a body nor a point of one; give a body, "),
         ([(WHEEL, (0, 0))], "trace of body 'wheel': expected three numbers"),
         (WHEEL, "traces = 'wheel'; give a list"),
         (7, "traces: 7 is not a sequence; give a list"),

@@ -11,6 +11,8 @@ from mbsd3d import (
     AngleDriver,
     Body,
     EndStop,
+    Planar,
+    PointStop,
     Polynomial,
     Prismatic,
     Revolute,
@@ -48,6 +50,20 @@ def test_a_slide_falls_onto_its_stop_and_comes_to_rest(tmp_path):
     assert run.certificate.passed
     other = load(run.save(tmp_path / "run"))
     assert str(other.certificate) == str(run.certificate) and other.events[-1].rest == hits[-1].rest
+
+
+@pytest.mark.parametrize("output", [None, 11, 1001])
+def test_impacts_of_a_bouncing_ball_do_not_depend_on_its_samples(output):
+    """h = 1 m, e = 0.7: sqrt(2 h / g) (1 + 2 e + 2 e^2 + ...), and the heights e^2k h between them."""
+    ball = Body("ball", 0.4, (0.001, 0.001, 0.001), position=(0, 0, 1.0), velocity=(0, 0, 0))
+    rail = Prismatic(GROUND, ball, at=(0, 0, 1.0), axis=(0, 0, 1), name="rail")
+    run = simulate(System([ball], [rail], [EndStop(rail, lower=-1.0, restitution=0.7)]), 2.3, output=output, rtol=1e-11)
+    hits = [event.t for event in run.events if event.impulses]
+    known = [0.4515236409857309, 1.083656738365754, 1.5261499065317703, 1.8358951242479817, 2.0527167766493295,
+             2.204491933330273]  # fmt: skip
+    assert hits == pytest.approx(known, abs=1e-10)
+    tops = [float(run.at(0.5 * (one + other)).q[2]) for one, other in zip(hits[:-1], hits[1:], strict=True)]
+    assert tops == pytest.approx([0.49, 0.2401, 0.117649, 0.05764801, 0.0282475249], abs=1e-9)
 
 
 def test_a_bar_on_a_hinge_bounces_onto_its_stop():
@@ -136,6 +152,10 @@ def test_two_stops_are_struck_at_once(e, v):
         impulse = event.impulses.get(f"stop of {hinge.name}")
         assert abs(P[k] - (0.0 if impulse is None else impulse.moment @ R[:, 1])) < 1e-12
     assert abs(event.lost - 0.5 * (np.array(v) @ mass(-0.9) @ v - got @ mass(-0.9) @ got)) < 1e-12 and event.lost > 0.0
+    for later in range(2, 1 + len(run.events)):  # what an impact throws back against the stop that it was leaving
+        expected, _ = impact(mass(-0.9), expected, np.array(e))
+        assert np.abs([run.rate(hinge)[later] for hinge in hinges] - expected).max() < 1e-12
+    assert (expected < 1e-12).all()  # away from both upper limits
     assert run.certificate.passed
 
 
@@ -235,3 +255,21 @@ def test_a_run_that_is_struck_at_its_start_keeps_its_options():
     system = System([drum], [hinge], [EndStop(hinge, upper=6.0, restitution=0.5)])
     run = simulate(system, 0.5, state=system.assemble(angles={hinge: 6.0}), method=RK4(dt=0.01))
     assert len(run.events) == 1 and run.record.method == RK4(dt=0.01)
+
+
+@pytest.mark.parametrize(("feet", "e"), [((-0.31, 0.27), 0.0), ((-0.35, 0.33), 0.4), ((-0.28, 0.36), 0.7)])
+def test_a_bar_that_rocks_from_foot_to_foot_comes_to_rest(feet, e):
+    """Each foot lifts the other one, ever lower, until that is not seen: no row of impacts within microseconds."""
+    tilt, J = 0.23, 0.3
+    bar = Body("bar", 2.0, (J, J, J), position=(0, 0, 0.3), orientation=rotation("y", tilt), omega=(0, 0.4, 0))
+    along = np.array([np.cos(tilt), 0.0, -np.sin(tilt)])
+    plane = Planar(GROUND, bar, at=bar.position, normal=(0, 1, 0))
+    given = {"at": (0, 0, 0), "axis": (0, 0, 1), "lower": 0.0, "restitution": e}
+    stops = [PointStop(GROUND, bar, at_b=bar.position + x * along, name=f"{x}", **given) for x in feet]
+    run = simulate(System([bar], [plane], stops), 3.0)
+    times = np.array([event.t for event in run.events])
+    assert run.certificate.passed and 4 < times.size < 150 and "comes to rest" in run.events[-1].what
+    assert np.diff(times).min() > 1e-5  # a hop of 1e-8 m takes 9e-5 s, and of the tilted bar somewhat less
+    assert np.abs(run.velocity(bar)[-1]).max() < 1e-9 and abs(run.position(bar)[-1, 2]) < 1e-9  # rests on both
+    assert all(run.force(stop).force[-1, 2] > 1.0 for stop in stops)
+    assert np.isclose(sum(event.lost for event in run.events), 2.0 * 9.81 * 0.3 + 0.5 * J * 0.4**2, rtol=1e-8, atol=0.0)

@@ -218,7 +218,7 @@ def test_foreign_snapshots_are_refused():
     for other in (Stepper(system), Stepper(again)):
         with pytest.raises(ValueError, match="at t = 0 s> is of another stepper; restore it there"):
             stepper.restore(other.snapshot())
-    with pytest.raises(ValueError, match="restore: 0.5 is no snapshot"):
+    with pytest.raises(ValueError, match="restore: 0.5 is not a snapshot"):
         stepper.restore(0.5)
     for use in (copy.deepcopy, pickle.dumps):
         with pytest.raises(ValueError, match="a snapshot is neither copied nor pickled"):

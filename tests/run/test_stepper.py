@@ -19,11 +19,14 @@ from mbsd3d import (
     Input,
     IntegrationError,
     Kinematic,
+    Prismatic,
+    RadauIIA,
     Ramp,
     Revolute,
     Sine,
     SpeedDriver,
     Spherical,
+    SpringDamper,
     Stepper,
     System,
     Table,
@@ -147,6 +150,99 @@ def test_a_sampled_controller_is_its_matrix():
     assert stepper.measured == pytest.approx(np.linalg.matrix_power(closed, 40) @ (0.4, 0.0), abs=1e-10)
 
 
+@pytest.mark.parametrize(
+    ("method", "error"),  # turns by quaternions at 0.02 s; trapezoids of the third
+    [(None, 1e-10), (RK4(0.02), 1e-9), (GeneralizedAlpha(dt=0.001), 1e-6), (RadauIIA(), 1e-10)],
+    ids=str,
+)
+def test_a_slope_is_a_ramp(method, error):
+    """phi = phi0 + w t + (a t^2 / 2 + b t^3 / 6) / I over three pieces, one of which holds; also in the record."""
+    system, hinge, inertia = rotor(Input("torque"))
+    stepper = Stepper(system, measures=[measures.angle(hinge), measures.rate(hinge)], method=method)
+    x = np.array([0.0, 0.0])
+    for k, course in enumerate([(1.0, 3.0), (-2.0, -1.5), (0.5,)]):
+        stepper.set("torque", *course)
+        stepper.advance(0.4 * (k + 1))
+        a, b = (*course, 0.0)[:2]
+        x = np.array([x[0] + 0.4 * x[1], x[1]]) + np.array([0.08 * a + 0.064 / 6 * b, 0.4 * a + 0.08 * b]) / inertia
+        assert stepper.measured == pytest.approx(x, abs=error)
+        assert stepper.inputs["torque"] == pytest.approx(a + 0.4 * b, abs=1e-14)
+    solution = stepper.solution()
+    assert solution.certificate.passed, solution.certificate
+    assert solution.record.inputs["torque"] == ((0.0, 1.0, 3.0), (0.4, -2.0, -1.5), (0.8, 0.5))
+    assert np.linalg.norm(solution.at(0.2).v[3:6]) == pytest.approx((0.2 + 3.0 * 0.02) / inertia, abs=10 * error)
+    assert solution.again().final.q == pytest.approx(solution.final.q, abs=1e-12)
+
+
+def on_rail(mass, stiffness, damping, pull, x):
+    """A mass on a rail at x, between the ground by a spring (slack at 0) and a damper, and a pull: as a stepper."""
+    body = Body("mass", mass, (0.1, 0.1, 0.1), position=(x, 0, 0), velocity=(0, 0, 0), omega=(0, 0, 0))
+    rail = Prismatic(GROUND, body, at=(x, 0, 0), axis=(1, 0, 0))
+    spring = SpringDamper(
+        GROUND, body, at_a=(-9.0, 0, 0), at_b=(x, 0, 0), stiffness=stiffness, damping=damping, length=9.0
+    )
+    system = System([body], [rail], [spring, Force(body, (pull, 0, 0))])
+    return Stepper(system, measures=[measures.position(body, axis=(1, 0, 0)), measures.slide_rate(rail)], rtol=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("way", "known"),
+    [
+        ("jacobi, held", (4.242890839092758, 1.8848276206083767, 0.8930847955708479, 0.4355813662592545)),
+        ("jacobi, extrapolated", (0.4018650553299806, 0.08926780941709278, 0.020282102467925056, 0.00476640081226809)),
+        ("gauss-seidel, held", (2.662683630146308, 1.2755781392755168, 0.6243247536595327, 0.30887516360853695)),
+    ],
+)
+def test_two_models_that_set_inputs_of_each_other(way, known):
+    """Force to the first, position and speed to the second; errors at 1 s as by matrix exponentials of both halves."""
+    m1, m2, k1, kc, cc = 1.0, 0.5, 100.0, 80.0, 0.8
+    exact = np.array([0.0062288418518515794, -0.6812021590293792, 0.293259668996103, -8.299096263191023])
+    for H, error in zip((0.02, 0.01, 0.005, 0.0025), known, strict=True):
+        one = on_rail(m1, k1, 0.0, Input("F"), 1.0)
+        two = on_rail(m2, kc, cc, kc * Input("x") + cc * Input("v"), 0.0)
+        before = None
+        for k in range(round(1.0 / H)):
+            (x1, v1), (x2, v2) = one.measured, two.measured
+            now = np.array([kc * (x2 - x1) + cc * (v2 - v1), x1, v1])
+            slopes = (now - before) / H if "extrapolated" in way and before is not None else np.zeros(3)
+            before = now
+            one.set("F", now[0], slope=slopes[0])
+            one.advance((k + 1) * H)
+            if way.startswith("gauss"):
+                now[1:] = one.measured
+            two.set("x", now[1], slope=slopes[1])
+            two.set("v", now[2], slope=slopes[2])
+            two.advance((k + 1) * H)
+        found = np.abs(np.array([*one.measured, *two.measured]) - exact).max()
+        assert found == pytest.approx(error, abs=1e-8)
+
+
+def test_held_inputs_feed_energy():
+    """The same pair without its damper, held: by how much of itself its energy grows in 1 s."""
+    m1, m2, k1, kc = 1.0, 0.5, 100.0, 80.0
+    known = (2.897405068548777, 0.9357810272130074, 0.37615700867669344, 0.16876032863507007)
+    for H, gain in zip((0.02, 0.01, 0.005, 0.0025), known, strict=True):
+        one, two = on_rail(m1, k1, 0.0, Input("F"), 1.0), on_rail(m2, kc, 0.0, kc * Input("x"), 0.0)
+        for k in range(round(1.0 / H)):
+            x1, x2 = one.measured[0], two.measured[0]
+            one.set("F", kc * (x2 - x1))
+            two.set("x", x1)
+            one.advance((k + 1) * H)
+            two.advance((k + 1) * H)
+        (x1, v1), (x2, v2) = one.measured, two.measured
+        energy = 0.5 * (m1 * v1**2 + m2 * v2**2 + k1 * x1**2 + kc * (x2 - x1) ** 2)
+        assert energy / (0.5 * (k1 + kc)) - 1.0 == pytest.approx(gain, abs=1e-7)
+
+
+def test_a_slope_that_makes_no_sense_is_refused():
+    system, hinge, inertia = rotor(Input("torque"))
+    with pytest.raises(ValueError, match="Stepper: slope of input 'torque': not finite"):
+        Stepper(system).set("torque", 1.0, slope=np.inf)
+    driven = System(system.bodies, [hinge, AngleDriver(hinge, Input("angle"), name="motor")])
+    with pytest.raises(ValueError, match="input 'angle' prescribes the motion of driver 'motor'"):
+        Stepper(driven).set("angle", 0.0, slope=1.0)
+
+
 def controlled():
     """A double pendulum under an input that changed four times, and its stepper."""
     system = double_pendulum(lambda a, b: Force(b, (Input("wind"), -0.5 * Input("wind"), 0.0), at=b.centre + 0.3))
@@ -258,7 +354,7 @@ def test_errors_name_what_is_wrong():
         stepper.set("pull", 1.0)
     with pytest.raises(ValueError, match="input 'push': not finite"):
         stepper.set("push", np.nan)
-    for t in (1.0, np.nextafter(1.0, 2.0)):  # what rounding adds is no segment
+    for t in (1.0, np.nextafter(1.0, 2.0)):  # what rounding adds is not a segment
         with pytest.raises(ValueError, match=r"t = 1 s does not lie after 1 s"):
             stepper.advance(t)
     for t_end in (np.nextafter(1.0, 2.0), 1e-320):  # no step of any method is as short

@@ -65,18 +65,8 @@ ASKED = {  # in the words of users of other programs: a page, or the table of te
     "flexible beam": "coming_from/exudyn",
     "torque limit saturation": "how/stepping",
     "prescribed base motion shaker": "how/drivers",
-    "rope slack cable": "how/own_force",
+    "rope slack cable": "how/ropes",
     "hinge angle several turns": "conventions",
-    "crank slider": "examples",
-    "scissor lift": "examples",
-    "gripper": "examples",
-    "Grashof": "how/loops",
-    "eigenfrequency": "how/small_motions",
-    "Jupyter": "how/see",
-    "widget": "how/see",
-    "PID": "how/stepping",
-    "PSD": "how/spectra",
-    "conveyor": "how/small_motions",
 }
 SHOWN = 5  # results that one looks at
 

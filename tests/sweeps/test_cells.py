@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.sweep_models import shafts
+from helpers.sweep_models import shafts, wheel
+from threadpoolctl import threadpool_info
 
 from bicycle import Meijaard2007, whipple
 from mbsd3d import GROUND, Body, Cylindrical, Kinematic, Revolute, Spherical, SpringDamper, System, simulate, sweep
+from mbsd3d.errors import AssemblyError
 from validation.cases.inline_four import CRANK_RATE, inline_four, orders
 
 
@@ -93,6 +95,33 @@ def test_reactions_of_one_joint_are_those_of_all():
         one, other = short.reaction(name), long.reaction(name)
         for x in ("force", "moment", "point"):
             assert np.array_equal(getattr(one, x), getattr(other, x)[shared])
+
+
+def blas_threads():
+    return [x["num_threads"] for x in threadpool_info() if x["user_api"] == "blas"]
+
+
+def most_blas_threads(solution):
+    return {"threads": max(blas_threads())}
+
+
+@pytest.mark.parametrize("executor", ["threads", pytest.param("processes", marks=pytest.mark.slow)])
+def test_linear_algebra_of_all_cells_takes_one_thread(executor):
+    """Cells that begin and end at any time: none gives another one back its threads. Afterwards they are as before."""
+    before = blas_threads()
+    grid = {"torque": np.linspace(1.0, 2.0, 30), "inertia": [0.3, 0.7]}
+    found = sweep(wheel, grid, most_blas_threads, run={"t_end": 0.1, "rtol": 1e-6}, executor=executor)
+    assert (found["threads"] == 1.0).all() and blas_threads() == before
+
+
+def test_velocities_that_are_all_given_are_taken_to_the_last_bit():
+    """Without joints; with one that they contradict they are refused as before."""
+    given = {"velocity": (0.31, -2.7, 1.9), "omega": (5.3, 0.1, -7.7)}
+    bodies = [Body(name, 1.7, (0.2, 0.3, 0.4), com=(0.1, 0.2, -0.3), **given) for name in "ab"]
+    v = System(bodies).state().v
+    assert v.tolist() == 2 * [*given["velocity"], *given["omega"]]
+    with pytest.raises(AssemblyError, match="the given velocities contradict a joint"):
+        System(bodies, [Spherical(GROUND, bodies[0], at=(0.4, 0.1, 0.2))]).state()
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray
 from helpers.sweep_models import GRID, LOCAL, RUN, deadly, history, known, ratio, shafts, speed, speed_of, touchy, wheel
-from scipy.stats import sobol_indices, uniform
+from scipy.stats import norm, sobol_indices, spearmanr, triang, uniform
 
 from mbsd3d import Kinematic, Samples, SweepError, samples, simulate, sweep
 from validation.cases.inline_four import CRANK_RATE, inline_four, orders
@@ -76,6 +76,28 @@ def test_samples_are_seeded_and_spread(method):
     np.testing.assert_allclose(table["speed"], speed_of(table["torque"], table["inertia"]), rtol=LOCAL)
 
 
+def test_samples_of_distributions_have_their_percentiles():
+    """Of scrambled Sobol points one lies in each of n strata: a probability errs by 1/n."""
+    of = {"torque": norm(3.0, 0.2), "inertia": triang(0.3, 1.0, 2.0), "load": (1.0, 5.0), "gain": uniform(1.0, 4.0)}
+    n = 1024
+    found = samples(of, n, seed=3).points
+    for column, one in zip(found.T, (*list(of.values())[:2], uniform(1.0, 4.0), of["gain"]), strict=True):
+        assert np.abs(one.cdf(np.sort(column)) - (np.arange(n) + 0.5) / n).max() < 1.0 / n
+
+
+def test_samples_with_correlation():
+    """That of normal variables is their own; of any others the rank correlation is 6/pi asin(rho/2)."""
+    given = {("torque", "inertia"): 0.6, ("load", "torque"): -0.4}
+    of = {"torque": norm(3.0, 0.2), "inertia": norm(1.0, 0.1), "load": (1.0, 5.0)}
+    found = samples(of, 4096, seed=3, correlation=given).points
+    expected = {(0, 1): 0.6, (0, 2): 6.0 / np.pi * np.arcsin(-0.2), (1, 2): 0.0}
+    assert np.corrcoef(found[:, :2].T)[0, 1] == pytest.approx(0.6, abs=0.01)  # even points err by less than 1 / sqrt(n)
+    for (i, j), rho in expected.items():
+        exact = 6.0 / np.pi * np.arcsin(0.3) if (i, j) == (0, 1) else rho
+        assert spearmanr(found[:, i], found[:, j]).statistic == pytest.approx(exact, abs=0.01)
+    np.testing.assert_allclose(found[:, 1].mean(), 1.0, rtol=0.0, atol=1e-3)
+
+
 @pytest.mark.slow
 def test_sensitivities_by_sobol_indices():
     """speed = f(torque) g(inertia): first-order indices V_f E_g^2 / V and E_f^2 V_g / V, by Gauss-Legendre."""
@@ -131,6 +153,15 @@ BAD = {
     "NaN range": (lambda: samples({"torque": (np.nan, 1.0)}, 4), "least 'torque'.*not finite"),
     "no power of two": (lambda: samples({"torque": (0.0, 1.0)}, 12), "12 is not a power of two"),
     "unknown method": (lambda: samples({"torque": (0.0, 1.0)}, 4, method="halton"), "method 'halton' is unknown"),
+    "no distribution": (lambda: samples({"torque": 3.0}, 4), "range 3.0 of 'torque'; give .* or a distribution"),
+    "correlation of no one": (
+        lambda: samples({"torque": (0.0, 1.0)}, 4, correlation={("torque", "load"): 0.5}),
+        r"correlation of \('torque', 'load'\); give two of torque",
+    ),
+    "correlations of no variables": (
+        lambda: samples({"torque": (0.0, 1.0), "load": (0.0, 1.0)}, 4, correlation={("torque", "load"): 1.5}),
+        "is that of no variables; give smaller numbers",
+    ),
     "NaN point": (lambda: Samples(("torque",), [[1.0], [np.nan]]), "'torque' of point 1 is not finite"),
     "taken name": (lambda: sweep(wheel, {"error": [1.0]}, speed, run=RUN), "'error' is taken"),
 }  # fmt: skip

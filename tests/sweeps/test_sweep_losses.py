@@ -97,7 +97,7 @@ def test_a_cluster_that_blames_the_neighbours_too():
 @pytest.mark.slow
 def test_a_broken_pool_of_the_user_keeps_what_had_finished():
     with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
-        with pytest.raises(SweepError, match="broke, .* cells have not finished; executor='processes'") as caught:
+        with pytest.raises(SweepError, match="broke before .* cells had finished; executor='processes'") as caught:
             sweep(deadly, GRID, speed, run=RUN, executor=pool)
     kept = caught.value.dataset["speed"].values.ravel()
     assert np.isfinite(kept[:4]).all() and np.isnan(kept[4:]).all()  # one worker: the fifth cell, (2.0, 0.4), kills it
@@ -251,8 +251,8 @@ class Failing(InPlace):
     "error, words",
     [
         (OSError("no route to host"), "the executor failed, OSError: no route to host"),
-        (RuntimeError("cannot schedule new futures after shutdown"), "Failing broke, 9 cells have not finished"),
-        (None, "Failing broke, 9 cells have not finished"),
+        (RuntimeError("cannot schedule new futures after shutdown"), "Failing broke before 9 cells had finished"),
+        (None, "Failing broke before 9 cells had finished"),
     ],
 )
 def test_whatever_an_executor_does_the_finished_cells_are_kept(error, words):

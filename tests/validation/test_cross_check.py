@@ -559,6 +559,7 @@ def mutated(*arguments):
     return [json.loads(line) for line in done.stdout.splitlines()]
 
 
+READ_AT_THE_START = {"row_speed"}  # a start whose J v is not what it should be is refused by our own run
 NEVER_AT_REST = {"turn_rate"}
 """A start that a wrong J of a speed driver does not allow is refused by our own run, which names the joint."""
 
@@ -582,7 +583,7 @@ def test_a_mistake_in_any_row_kernel_is_found(kernels):
         if mistake == "none":
             assert not any(found.values()), (kernel, found)
         elif "error" in found:
-            assert kernel in NEVER_AT_REST and "SpeedDriver" in found["error"]
+            assert kernel in READ_AT_THE_START or (kernel in NEVER_AT_REST and "SpeedDriver" in found["error"])
         else:
             assert found["definitions"], (kernel, mistake)
             assert found["MuJoCo"] or found["Exudyn"], (kernel, mistake)

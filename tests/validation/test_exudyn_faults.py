@@ -126,7 +126,7 @@ def test_bad_settings():
 
 
 def test_runs_out_of_range():
-    """Counts that are no whole numbers and ends that are no time, in either formulation."""
+    """Counts that are not whole numbers and ends that are no time, in either formulation."""
     for formulation in FORMULATIONS:
         made = twin(revolute_chain(1), formulation=formulation)
         for steps, samples in ((64.0, 4), (64, 4.0), (True, 1), (64, None)):

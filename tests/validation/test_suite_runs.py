@@ -185,6 +185,9 @@ def test_many_cases_go_to_processes(tmp_path):
 def test_the_page_in_a_browser(chromium, tmp_path):
     validate(*only(*FAST), "--quick", "--out", tmp_path)
     for scheme in ("light", "dark"):
+        with visit(chromium, tmp_path / "validation.html", width=420, color_scheme=scheme) as seen:
+            assert seen.run("document.documentElement.scrollWidth") <= 420  # wide tables scroll within the page
+            assert seen.run("document.querySelectorAll('main').length") == 1
         with visit(chromium, tmp_path / "validation.html", width=1200, color_scheme=scheme) as seen:
             assert seen.complaints == []
             assert seen.run("document.documentElement.scrollWidth") <= 1200

@@ -60,7 +60,7 @@ def test_a_missing_browser_is_said_with_the_remedy(monkeypatch, tmp_path, requir
     with pytest.raises(outcome, match=r"^no browser \(chromium, .*\) on PATH: install one .* or set CHROMIUM$"):
         executable()
     monkeypatch.setenv("CHROMIUM", "nowhere")
-    with pytest.raises(outcome, match="^CHROMIUM=nowhere is no program; set it to the path of Chromium or Chrome$"):
+    with pytest.raises(outcome, match="^CHROMIUM=nowhere is not a program; set it to the path of Chromium or Chrome$"):
         executable()
     monkeypatch.setitem(sys.modules, "playwright.sync_api", None)
     with pytest.raises(outcome, match=r"need the package playwright; install it: pip install mbsd3d\[test\]$"):

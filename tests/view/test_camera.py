@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mbsd3d import GROUND, Body, Revolute, System, simulate
+from mbsd3d import GROUND, Body, Revolute, SpringDamper, System, simulate
 from mbsd3d.shapes import Lines
 from mbsd3d.view.scene.artist import draw_system
 from mbsd3d.view.scene.camera import directions, followed_body, frame_camera, sight
@@ -78,3 +78,14 @@ def test_the_camera_goes_along_with_what_travels():
         followed_body(far, GROUND, False) == followed_body(far, "ground", True) == followed_body(far, None, True) == -1
     )
     assert followed_body(near, "dust", False) == 0
+
+
+@pytest.mark.parametrize("other", ["stone", "ground"])
+def test_the_camera_stays_with_what_a_spring_ties_to_the_ground(other):
+    """The same fall of 20 m: tied to the ground the spring stays on the paper, tied to another stone it goes along."""
+    stones = [Body(name, 2.0, (0.1, 0.1, 0.1), position=(x, 0, 0)) for name, x in (("bob", 0.0), ("stone", 0.3))]
+    end = GROUND if other == "ground" else stones[1]
+    spring = SpringDamper(end, stones[0], at_a=(0.3, 0, 0), at_b=(0, 0, 0), stiffness=1e-6)
+    assert followed_body(simulate(System(stones, [], [spring]), 2.0, output=11), None) == (
+        0 if end is not GROUND else -1
+    )

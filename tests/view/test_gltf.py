@@ -228,6 +228,20 @@ def test_paths_are_those_of_the_points(solution, tmp_path):
     assert np.abs(points - expected).max() < 4 * SINGLE
 
 
+def test_a_path_seen_from_a_body_lies_in_its_axes_and_goes_with_it(solution, tmp_path):
+    carrier, at = solution.system.bodies[1], np.array([0.32, 0.1, -0.4])
+    trace = (WHEEL, at, LOWER_ARM)
+    drawn = File(solution.export_glb(tmp_path / "run.glb", frames=41, traces=[trace])).check()
+    (mesh,) = [k for k, mesh in enumerate(drawn.document["meshes"]) if mesh["name"].startswith("path of ")]
+    points = drawn.array(drawn.document["meshes"][mesh]["primitives"][0]["attributes"]["POSITION"])
+    world = solution.body_point(WHEEL, at) - solution.position(carrier)
+    expected = np.einsum("tji,tj->ti", solution.rotation(carrier), world)
+    assert np.abs(points - expected).max() < 4 * SINGLE
+    nodes = drawn.document["nodes"]
+    (node,) = [k for k, node in enumerate(nodes) if node.get("mesh") == mesh]
+    assert [node_.get("name") for node_ in nodes if node in node_.get("children", ())] == [LOWER_ARM]
+
+
 def test_the_same_solution_gives_the_same_bytes(solution, tmp_path):
     first, second = (solution.export_glb(tmp_path / name).read_bytes() for name in ("a.glb", "b"))
     assert first == second and (tmp_path / "b.glb").exists()

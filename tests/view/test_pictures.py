@@ -276,6 +276,16 @@ def test_files_of_pictures_are_the_same_bytes_twice(solution, tmp_path):
         assert b"Date" not in a.read_bytes() and a.stat().st_size < 750_000
 
 
+def test_a_path_seen_from_the_ground_is_that_without_a_base(solution):
+    at = (0.32, 0.1, -0.4)
+    plain, *seen = (
+        pixels_of(solution.picture(traces=[(LOWER_ARM, at, *base)])) for base in ((), (GROUND,), ("ground",))
+    )
+    assert all(np.array_equal(plain, x) for x in seen)
+    with pytest.raises(ValueError, match="'graund' is not one of the bodies"):
+        solution.picture(traces=[(LOWER_ARM, at, "graund")])
+
+
 def test_dark_paper_and_layers(solution):
     figure = solution.system.picture(dark=True)
     assert figure.get_facecolor()[:3] == pytest.approx(matplotlib.colors.to_rgb(theme(True).paper))
@@ -302,6 +312,8 @@ def test_dark_paper_and_layers(solution):
         ({"t": "end"}, "t = 'end'; give a time"),
         ({"dark": "yes"}, "dark 'yes' is unknown; give True or False"),
         ({"traces": [("foot", (0, 0, 0))]}, "'foot' is not one of the bodies"),
+        ({"traces": [(LOWER_ARM, (0, 0, 0), "foot")]}, "'foot' is not one of the bodies"),
+        ({"traces": [(LOWER_ARM, (0, 0, 0), LOWER_ARM, 1)]}, "body from which it is seen"),
     ],
 )
 def test_pictures_refuse(solution, options, message):
@@ -344,6 +356,15 @@ def test_a_path_from_behind_the_camera_is_before_it(velocity, view):
     )
     seen, depth = painter.lens.project(paths[0].points)
     assert depth.min() > 0.1 * painter.lens.distance and np.abs(seen).max() < 6.0
+
+
+def test_a_path_seen_from_a_body_is_drawn_where_the_body_is(solution):
+    run = frames_of(solution, 9)
+    at = np.array([0.32, 0.1, -0.4])
+    alone, seen = traces_of(solution, run, [(WHEEL, at), (WHEEL, at, LOWER_ARM)])
+    for k in range(run.t.size):  # where the carrier has it now, the point itself is
+        now = seen.at(run.r[k], run.e[k])[k]
+        np.testing.assert_allclose(now, alone.points[k], rtol=0.0, atol=1e-14)
 
 
 def test_a_name_with_dollars_is_written_as_it_is():

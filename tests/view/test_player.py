@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from helpers.pages import COUNT, END, HINGE, SETTLED, covered, differing, opened, scene, seek
+from helpers.printed_numbers import number
 
 from mbsd3d.view.page.html import asset
 
@@ -266,6 +267,12 @@ def test_values_beside_an_axis_are_told_apart_and_have_room(page):
     take = "return [found, step, texts, makeAxes(400, 120, low, high, 0, 1).left]"
     found = page.run("(() => {" + asset("curves.js") + f"return {ranges}.map(({pick} {take} }}) }})()")
     for values, step, texts, left in found:
-        read = [float(text.replace("\u2212", "-")) for text in texts]
+        read = [number(text) for text in texts]
         assert np.allclose(read, values, rtol=0.0, atol=0.01 * step), texts
         assert max(map(len, texts)) * 5.0 < left, texts  # a digit of 11 pixels is more than 5 wide
+
+
+def test_values_of_a_legend_end_without_zeros(page):
+    values = [1e-3, -2.5e-4, 1e7, 12.5, 0.0, -1.2346e-7]
+    found = page.run("(() => {" + asset("curves.js") + f"return {values}.map((x) => valueText(x)) }})()")
+    assert found == ["0.001", "−2.5 · 10⁻⁴", "10⁷", "12.5", "0", "−1.235 · 10⁻⁷"]

@@ -179,6 +179,9 @@ def test_saved_shown_and_described(view, tmp_path, monkeypatch):
     assert frame.startswith("<iframe srcdoc=") and "<script" not in frame
     with pytest.raises(ValueError, match="cannot be written"):
         view.save(tmp_path / "missing" / "motion")
+    for name, remedy in (("motion.MP4", "export_mp4"), ("motion.gif", "export_gif"), ("motion.png", "save_figure")):
+        with pytest.raises(ValueError, match=rf"{name}': a view is a page \(.html\); {remedy}"):
+            view.save(tmp_path / name)
     monkeypatch.setattr("mbsd3d.view.page.html.has_browser", lambda: False)
     monkeypatch.setattr("tempfile.mkdtemp", lambda prefix: str(tmp_path))
     with pytest.raises(ValueError, match=r"no browser could be started; open '.*view.html'"):
@@ -216,6 +219,9 @@ def test_a_mode_is_animated():
         ({"shown": "joints", "hidden": ["joints"]}, "shown, hidden: layer 'joints' is in both"),
         ({"shown": ["arrows"]}, "layer 'arrows' is unknown; give some of bodies, body names"),
         ({"beside": 5}, "beside 5 is not a solution; give one, or None"),
+        ({"captions": [(99.0, "late")]}, "caption 'late' at 99 s is not within the run; give 0 ... "),
+        ({"captions": [(0.1, "a", "b")]}, "is not a pair (time, text); give one"),
+        ({"captions": [("now", "here")]}, "time of a caption"),
         ({"path": 5}, "path = 5 names no file"),
         (
             {"path": "nowhere/page"},

@@ -19,7 +19,7 @@ SPEED = "speed.json"
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
 @click.option(
-    "--part", "parts", multiple=True, type=click.Choice(PARTS), help="What to measure, repeatable; default: all."
+    "--part", "parts", multiple=True, type=click.Choice(PARTS), help="Parts to measure; repeatable; default: all."
 )
 @click.option(
     "--mechanism", "names", multiple=True, metavar="NAME", help="Only this one, repeatable; --list shows them."
@@ -29,11 +29,13 @@ SPEED = "speed.json"
     "--out", type=click.Path(file_okay=False, path_type=Path), default=Path("out/benchmark"), show_default=True,
     help="Folder for precision.json, precision.txt, speed.json and the figure; an interrupted run goes on from there.",
 )  # fmt: skip
-@click.option("--fresh", is_flag=True, help="Begin anew instead of going on with an interrupted run.")
+@click.option("--fresh", is_flag=True, help="Start again instead of continuing an interrupted run.")
 @click.option(
-    "--stored", is_flag=True, help="Measure nothing: table and figure of what an earlier run stored in --out."
+    "--stored", is_flag=True, help="Measure nothing: draw table and figure from the results of an earlier run in --out."
 )
-@click.option("--pictures", type=click.Path(file_okay=False, path_type=Path), help="Write the figure there too.")
+@click.option(
+    "--pictures", type=click.Path(file_okay=False, path_type=Path), help="Also write the figure to this file."
+)
 def main(parts: tuple, names: tuple, listed: bool, out: Path, fresh: bool, stored: bool, pictures: Path | None) -> None:
     """Measure speed: error against run time of mbsd3d, MuJoCo and Exudyn, redundant rows, and mbsd3d alone.
 

@@ -23,7 +23,7 @@ RECORD_FILE, TABLE_FILE = "calibration.jsonl", "calibration.txt"
 @click.option("--list", "listed", is_flag=True, help="Names of the families, and nothing else.")
 @click.option(
     "--out", type=click.Path(file_okay=False, path_type=Path), default=Path("out/calibration"), show_default=True,
-    help="Folder for the runs, one a line, as they end; runs that are there already are not made again.",
+    help="Folder for the runs, one per line, as they finish; runs that are stored there are not repeated.",
 )  # fmt: skip
 @click.option("--fresh", is_flag=True, help="Make all runs again.")
 @click.option("--docs", is_flag=True, help="Write the table into docs/theory/certificate.md.")

@@ -158,6 +158,10 @@ def _length_driver(rng: Generator, a: Any, b: Any) -> mbsd3d.Joint:
     return mbsd3d.LengthDriver(a, b, at_a=at_a, at_b=at_b, length=signal(rng, float(np.linalg.norm(at_b - at_a))))
 
 
+def _orientation_driver(rng: Generator, a: Any, b: Any) -> mbsd3d.Joint:
+    return mbsd3d.OrientationDriver(a, b, signal=[signal(rng) for _ in range(3)])
+
+
 def middle(rng: Generator, a: Any, b: Any) -> np.ndarray:
     """Draw a general point near the middle of two bodies."""
     return (a.position + b.position) / 2 + 0.3 * direction(rng)
@@ -217,6 +221,7 @@ EXAMPLES: dict[type, Factory] = {
     mbsd3d.PositionDriver: lambda rng, a, b, c, d: _position_driver(rng, a, b),
     mbsd3d.SpeedDriver: lambda rng, a, b, c, d: [mbsd3d.SpeedDriver(a, b, axis=direction(rng), speed=signal(rng, 0.4))],
     mbsd3d.LengthDriver: lambda rng, a, b, c, d: [_length_driver(rng, a, b)],
+    mbsd3d.OrientationDriver: lambda rng, a, b, c, d: [_orientation_driver(rng, a, b)],
     mbsd3d.Engaged: lambda rng, a, b, c, d: _engaged(rng, a, b),
     mbsd3d.Switched: lambda rng, a, b, c, d: [_switched(rng, a, b)],
     mbsd3d.Breaks: lambda rng, a, b, c, d: [

@@ -9,7 +9,7 @@ import numpy as np
 
 from mbsd3d import State, System
 from mbsd3d.errors import InputError
-from mbsd3d.extend import Progress, check_state, check_system, checks_arguments, number
+from mbsd3d.extend import Progress, check_state, check_system, checks_arguments, model_digest, number
 from validation.crosscheck.formulation import ENGINE as DEFINITIONS
 from validation.crosscheck.formulation import compare_definitions, skipped
 from validation.crosscheck.judge import Runs, curves, explained, judge_motion, judge_start, own_error
@@ -108,8 +108,17 @@ def cross_check(
     own = float(own_error(ours)[-1]) if ours.error else 0.0
     end = float(ours.motion.t[-1])
     return CrossCheck(
-        end, tolerance, tuple(found), float(ours.growth[-1]), own, interrupted, t_end is None, notes(ours)
-    )
+        end, tolerance, tuple(found), float(ours.growth[-1]), own, interrupted, t_end is None, notes(ours),
+        digest_of(system, start),
+    )  # fmt: skip
+
+
+def digest_of(system: System, start: State) -> str:
+    """Return the digest of model and start; "" for a model with functions, which files cannot hold."""
+    try:
+        return model_digest(system, start)
+    except InputError:
+        return ""
 
 
 def one_by_one(

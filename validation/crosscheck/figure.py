@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, Figure, Theme, figure_style, style_axes, theme
+from mbsd3d.extend import GRID_WIDTH_POINTS, LINE_WIDTH_POINTS, Figure, Theme, figure_style, relative, style_axes, theme
 
 Curves = Sequence[tuple[str, Sequence[float], Sequence[float]]]
 """Quantity, steps and differences of each."""
@@ -50,7 +50,7 @@ def draw(axes: Axes, name: str, order: float | None, curves: Curves, look: Theme
         )
     for axis in (axes.xaxis, axes.yaxis):  # mathtext is off in this style: names may have dollars in them
         axis.set_major_locator(LogLocator(numticks=6))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.0e}"))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: relative(value)))
         axis.set_minor_formatter(NullFormatter())
     axes.set_xlabel("step [s]")
     axes.set_title(name)

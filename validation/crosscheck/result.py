@@ -110,6 +110,7 @@ class CrossCheck:
     interrupted: bool = False
     start_only: bool = False
     notes: tuple[str, ...] = field(default=())
+    digest: str = ""  # of model and start; "" for a model that a file cannot hold
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -185,7 +186,7 @@ class CrossCheck:
         plain = {
             "t_end": self.t_end, "tolerance": self.tolerance, "growth": self.growth, "own_error": self.own_error,
             "passed": self.passed, "interrupted": self.interrupted, "start_only": self.start_only,
-            "failures": list(self.failures),
+            "failures": list(self.failures), "summary": summary(self), "digest": self.digest,
             "notes": list(self.notes), "engines": engines,
         }  # fmt: skip
         for engine in self.engines:

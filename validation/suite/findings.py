@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
-from mbsd3d.extend import aligned
+from mbsd3d.extend import aligned, error_text
 from validation.crosscheck.result import AGREES, DIFFERS, EXPLAINED
 from validation.crosscheck.result import SKIPPED as NOT_COMPARED
 
@@ -201,7 +201,7 @@ def differences(records: Iterable[Record]) -> list[str]:
 
 def sentence(finding: Finding) -> str:
     """Return a finding in words."""
-    numbers = "" if finding.error is None else f" {finding.error:.2e}"
+    numbers = "" if finding.error is None else f" {error_text(finding.error, 3)}"
     limit = "" if finding.limit is None else f" (limit {finding.limit:.0e})"
     return f"{finding.judge}: {finding.quantity}{numbers}{limit}{': ' if finding.note else ''}{finding.note}"
 

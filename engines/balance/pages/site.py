@@ -19,7 +19,7 @@ from engines.balance.pages.sheets import QUANTITIES, GasTorque, Sheet
 from engines.balance.published.claims import Row
 from engines.balance.published.truth import AGREES, rows
 from mbsd3d.errors import InputError
-from mbsd3d.extend import Progress, digits, page_template, write_atomically
+from mbsd3d.extend import Progress, digits, page_template, readable, write_atomically
 
 HARMONIC_ORDERS, TURN_SAMPLES = 6, 72  # harmonics; samples of a turn
 PLAY_SCRIPT = (
@@ -145,7 +145,7 @@ def figure(x: Any) -> str:
     None."""
     if isinstance(x, tuple):
         return " \u2026 ".join(figure(part) for part in x)
-    return report.value(x).replace("-", "\u2212")
+    return readable(report.value(x))
 
 
 def mark(row: Row) -> str:

@@ -201,7 +201,7 @@ def cut(shaft: Shaft, z: np.ndarray, throws: np.ndarray) -> tuple[np.ndarray, li
     With U = m r_G and P = int (z - z_G) r dm as complex numbers x + i y from the axis: slice i of mass mu_i carries
     u s_i + (U - u sum s) mu_i / m, u by least squares from ``u sum s_i = U``, ``u sum (z_i - z_G) s_i = P``. Masses
     keep m and m z_G: the last slice, half of the shaft, is left out if the stations are centred on z_G. A shaft that
-    is no stack of such throws may do better with u = 0: then so.
+    is not a stack of such throws may do better with u = 0: then so.
     """
     body, k = shaft.body, len(z)
     com, inertia = shaft.rows.height(body.centre), tensor(shaft, body)

@@ -62,7 +62,7 @@ class Block:
 class Preset:
     """An engine; lengths [m], masses [kg], speeds [1/min], fields as in the data file.
 
-    ValueError for a title that is no text, a number that is not positive, or an idle speed that is not below the
+    ValueError for a title that is not a text, a number that is not positive, or an idle speed that is not below the
     redline.
     """
 

@@ -80,7 +80,7 @@ class Car:
 
     ``mounts``: name -> at, rates, angle as there; ``bounce`` [Hz], None for mounts with rates of their own;
     ``damping`` [-]; ``ride``: the car on its wheels, ``shell``: its body as a beam, None if nothing is known of them.
-    ValueError for a title that is no text, a field that is missing or unknown, a rate or frequency that is not
+    ValueError for a title that is not a text, a field that is missing or unknown, a rate or frequency that is not
     positive, a negative damping, or a place that is none.
     """
 

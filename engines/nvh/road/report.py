@@ -63,7 +63,7 @@ def quarter_car(ride: Ride) -> np.ndarray:
 
 def comfort(rides: list[Ride]) -> Rows:
     """Tabulate the vibration at the seat of every car, by small motions and in the full motion."""
-    rows = [["car", "verdict", "a [m/s2]", "a_w [m/s2]", "a_w, full motion", "differ by [%]", "freedoms"]]
+    rows = [["car", "verdict", "a [m/s^2]", "a_w [m/s^2]", "a_w, full motion", "differ by [%]", "freedoms"]]
     for ride in rides:
         full = rms(weight(ride.rates / (2 * np.pi)) * ride.run_seat)
         numbers = f"{rms(ride.seat):.4f}", f"{ride.weighted:.4f}", f"{full:.4f}", f"{100 * ride.difference:.2g}"
@@ -131,7 +131,7 @@ def braking(vehicle: Vehicle) -> str:
     linked, slid = (np.degrees(Vehicle("whole", vehicle.ride, on).braked(BRAKING_RATIO)) for on in (True, False))
     return (
         f"anti-dive in front {dive:.0%}, anti-lift behind {lift:.0%}, {front:.0%} of braking in front; at "
-        f"{BRAKING_RATIO * GRAVITY:.1f} m/s2 the body dives by {linked:.2f} degrees, on slides it would by {slid:.2f}"
+        f"{BRAKING_RATIO * GRAVITY:.1f} m/s^2 the body dives by {linked:.2f} degrees, on slides it would by {slid:.2f}"
     )
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...equations.jacobian import displacement_units
-from ...kernels.kinds import ANGLE, SLIDE
+from ...kernels.kinds import ANGLE, BEARING, SLIDE
 from .joint_motion import JointGraph
 from .pose_equations import PoseEquations
 
@@ -44,7 +44,7 @@ class Continuation:
         self.equations, self.graph, self.tolerance, self.rank = equations, graph, tolerance, 0
         self.start, self.counted, self.gone = equations.residual(), equations.counted(), 0.0
         kind, length = equations.model.coordinate["kind"], equations.model.length
-        self.units = np.where(kind == ANGLE, 1.0, np.where(kind == SLIDE, length, np.inf))
+        self.units = np.where(np.isin(kind, (ANGLE, BEARING)), 1.0, np.where(kind == SLIDE, length, np.inf))
         self.even = not np.isinf(self.units).any()  # joints along curves may turn evenly for a while, and then not
 
     def follow(self) -> bool:

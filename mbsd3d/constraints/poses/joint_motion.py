@@ -4,11 +4,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.cluster.hierarchy import DisjointSet
 
 from ...base.rotations import crosses, exponential, multiply, skew
 from ...equations.compiled import Compiled
 from ...equations.jacobian import BlockRows
+from ...equations.tree import Groups
 from ...kernels.layout import Data
 from ...mechanism.couplings import Coupling
 from ...mechanism.drivers import Driver
@@ -119,7 +119,7 @@ def new_joint_graph(compiled: Compiled, pinned: set[int]) -> JointGraph:
     joints = [joint for joint in system.joints if carrying_rows(joint) >= CARRYING_ROWS_MIN]
     joints.sort(key=carrying_rows, reverse=True)
     edges = [(index[id(joint.a)], index[id(joint.b)], joint.b.local_point(joint.point())) for joint in joints]
-    groups = DisjointSet(range(n + 1))
+    groups = Groups(n + 1)
     neighbours: list[list[int]] = [[] for _ in range(n + 1)]
     for i in pinned:
         groups.merge(n, i)
@@ -127,7 +127,7 @@ def new_joint_graph(compiled: Compiled, pinned: set[int]) -> JointGraph:
         if groups.merge(i, j):
             neighbours[i].append(j)
             neighbours[j].append(i)
-    for group in groups.subsets():
+    for group in groups.members():
         if n not in group:
             root = max(group, key=lambda i: (system.bodies[i].mass, system.name(system.bodies[i])))
             edges.append((n, root, np.zeros(3)))

@@ -9,10 +9,11 @@ from ...dynamics.state_rates import FACTOR_FROM_OTHER_POSE, PROJECTED, project_p
 from ...equations.at_state import coordinate_row, load_state
 from ...equations.compiled import Compiled
 from ...equations.jacobian import BlockRows, block_rows, displacement_units
-from ...kernels.coordinates import coordinate, measure, remember
+from ...kernels.coordinates import coordinate, remember
 from ...kernels.kinds import ANGLE
 from ...kernels.kinematics import displace, displace_body, kinematics
 from ...kernels.layout import Data, Model, Tree
+from ...kernels.measures import measure
 from ...kernels.rows import rows
 from ...mechanism.state import State
 from ..least_squares import least_motion, shortest

@@ -16,7 +16,8 @@ from mbsd3d import (
     simulate,
 )
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
+from ..form import Ablation, Against, Beat, Curve, Demo, Measured, Quantity, Symbol
+from ..moments import share
 
 TURN_SAMPLES = 361  # [1] of one turn; greatest values lie at whole degrees
 GROOVE_POINTS = 360  # [1] of the groove
@@ -40,7 +41,10 @@ def mechanism(*, R=0.06, stroke=0.08, m=1.5, omega=30.0) -> System:
     out = np.column_stack([np.cos(turn), -np.sin(turn), 0 * turn])  # turned back: the groove comes to the pin
     groove = R * out + np.outer(height(turn, stroke)[0], (0, 0, 1))
     long = stroke + R
-    drum = Body("drum", 2.0, (4e-3, 4e-3, 4e-3), shape=shapes.Cylinder(0.94 * R, long, at=(0, 0, 0.5 * stroke)))
+    drum = Body("drum", 2.0, (4e-3, 4e-3, 4e-3), shape=(
+        shapes.Cylinder(0.94 * R, long, at=(0, 0, 0.5 * stroke)),
+        *(shapes.Lines(np.vstack([groove, groove[:1]]) + (0, 0, up), colour="black") for up in (-0.1 * R, 0.1 * R)),
+    ))  # fmt: skip
     pin = shapes.Cylinder(0.1 * R, 0.5 * R, "x", at=(-0.25 * R, 0, 0))
     form = (pin, shapes.Box((0.4 * R, R, 0.6 * R), at=(0.2 * R, 0, 0)))
     slide = Body("slide", m, (1e-3, 1e-3, 1e-3), position=(1.25 * R, 0, 0), shape=form)
@@ -92,12 +96,27 @@ demo = Demo(
     __name__,
     title="The barrel cam",
     question="How does a groove around a drum move a slide along its axis, and what must the rail bear?",
+    beats=(
+        Beat(0.0, "The drum turns evenly."),
+        Beat(share(0.25), "Here the groove is steepest."),
+        Beat(share(0.5), "The far end: 80 mm."),
+    ),
     why="A pin reaches into a groove that winds around the drum; while the drum turns evenly, the pin goes to and fro "
     "as the groove says, by any law. The flank pushes at right angles to the groove and to the pin, so "
     "where the groove is steep the push leans over by the pressure angle. Its part across the slide "
     "moves nothing: the rail bears it, and its arm about the drum is the torque.",
     equation="z = h (u - sin(2 pi u) / 2 pi), u = phi / pi; tan(alpha) = z' / (R w); side force = m z'' tan(alpha); "
     "torque = m z'' z' / w",
+    symbols={
+        "z": Symbol("place of the slide", "m"),
+        "h": Symbol("stroke", "m", "stroke"),
+        "u": Symbol("share of a stroke's turn"),
+        "phi": Symbol("angle of the drum", "rad"),
+        "alpha": Symbol("pressure angle", "rad"),
+        "R": Symbol("drum", "m", "R"),
+        "w": Symbol("turn of the drum", "rad/s", "omega"),
+        "m": Symbol("slide", "kg", "m"),
+    },
     source="Norton, Cam Design and Manufacturing Handbook; Rothbart, Cams",
     quantities={
         "stroke_m": Quantity("stroke", "m"),

@@ -17,7 +17,8 @@ from mbsd3d import (
     simulate,
 )
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Against, Beat, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 
 TURN_SAMPLES = 1441  # [1] of one turn
 OUTLINE_POINTS = 720  # [1] of the outline
@@ -129,11 +130,26 @@ demo = Demo(
     __name__,
     title="The roller and its cam",
     question="Why does a cam push its roller sideways, and from which speed on does the roller fly?",
+    beats=(
+        Beat(0.0, "Over the nose: nothing but the spring keeps the roller on the cam."),
+        Beat(0.00254, "On the flank the push leans over by 25 degrees, and shoves the valve aside."),
+        Beat(share(0.5), "Shut."),
+    ),
     why="The flank of a cam is not level where it lifts, and a roller can only be pushed at right angles to it: the "
     "push leans over by the pressure angle, and what it has across bends the stem in its guide. Beyond the middle "
     "of the flank the valve must be slowed down, and only the spring can do that. Above a speed it is too weak: "
     "the cam would have to pull, which it cannot, and the valve floats.",
     equation="tan(alpha) = s' / (w (r + s)); N cos(alpha) = m s'' + k s + F >= 0; torque = N cos(alpha) s' / w",
+    symbols={
+        "s": Symbol("lift", "m"),
+        "r": Symbol("centre of the roller over the axis, shut", "m", "pitch"),
+        "alpha": Symbol("how much the push leans", "rad"),
+        "N": Symbol("push", "N"),
+        "m": Symbol("valve", "kg", "m"),
+        "k": Symbol("spring", "N/m", "stiffness"),
+        "F": Symbol("spring, shut", "N", "preload"),
+        "w": Symbol("turn of the cam", "rad/s", "omega"),
+    },
     source="Norton, Cam Design and Manufacturing Handbook",
     quantities={
         "pressure_angle_deg": Quantity("greatest pressure angle", "deg", SAMPLE_TOLERANCE),

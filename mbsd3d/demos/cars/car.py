@@ -101,7 +101,7 @@ class Car(NamedTuple):
 def chassis_of(c: Car, speed: float) -> Body:
     """Return the sprung mass as a body, without the crankshaft."""
     form = [
-        shapes.Box((1.6 * c.wheelbase, 1.1 * c.track, 0.9 * c.h), at=(0, 0, 0.1 * c.h), colour="lightsteelblue"),
+        shapes.Box((1.6 * c.wheelbase, 1.1 * c.track, 0.9 * c.h), at=(0, 0, 0.1 * c.h), colour="steelblue"),
         shapes.Box((0.8 * c.wheelbase, c.track, 0.8 * c.h), at=(-0.2, 0, 0.9 * c.h)),
     ]
     mass = c.ms - CRANK_MASS if c.engine else c.ms

@@ -5,10 +5,20 @@ import numpy as np
 from mbsd3d import Pulse, System, simulate
 
 from ..figure import Line
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 from .car import SHOW_OPTIONS, WHEELS, Car, car
 from .circle import circle, circles
-from .theory import ROLL_TOLERANCE, limit, roll_gradient, textbook_roll_gradient, transfers, trims, understeer_gradient
+from .theory import (
+    ROLL_SYMBOLS,
+    ROLL_TOLERANCE,
+    limit,
+    roll_gradient,
+    textbook_roll_gradient,
+    transfers,
+    trims,
+    understeer_gradient,
+)
 
 SMALL_ACCELERATION = 1e-3  # [m/s^2] terms of second order vanish
 # [m/s^2] range of the closed forms; then side forces lift the leaning car along its slides
@@ -117,12 +127,22 @@ demo = Demo(
     __name__,
     title="A car at the limit",
     question="How far does a car roll, and how much must one steer, on the way to the limit of its tyres?",
+    beats=(
+        Beat(0.0, "Straight on at 72 km/h."),
+        Beat(share(0.4), "In the curve it leans outwards, and its outer tyres carry it."),
+        Beat(share(1.0), "It goes round on a steady circle."),
+    ),
     why="At a steady speed on ever smaller circles (ISO 4138) load goes to the outer wheels and the tyres slip, at "
     "first in proportion, then more and more, until one axle has no grip left: there is no smaller circle. "
     "Textbooks give the roll 7 to 8 % too low. They leave out that the wheels lean with the car and so have their "
     "weight aside (7 %), and that their spin is carried round, which takes a moment that rolls the car outward (2 "
     "%).",
     equation="roll = (m_s h + 4 m_w r + 4 I_w/r) a_y / (K_f + K_r - (m_s h + 4 m_w r) g)",
+    symbols={
+        "a_y": Symbol("acceleration sideways", "m/s^2"),
+        "m_s": Symbol("body", "kg", "ms"),
+        **ROLL_SYMBOLS,
+    },
     source="Milliken, Milliken, Race Car Vehicle Dynamics; ISO 4138 (steady circles at a constant speed)",
     quantities={
         "roll_rad_s2_m": Quantity("roll per lateral acceleration", "rad s^2/m", relative=1e-6),
@@ -141,4 +161,9 @@ demo = Demo(
     alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
     show={**SHOW_OPTIONS, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
     ranges={"h": (0.5, 0.57), "track": (1.47, 1.65), "mu": (0.85, 1.02), "kf": (24e3, 28e3), "kr": (20e3, 25e3)},
+    sliders=(
+        Control("steer", 0.01, 0.06, "rad"),
+        Control("v", 12.0, 22.0, "m/s", "speed"),
+    ),
+    attempt="steer more: the outer wheels take the load, and the front slides first.",
 )  # fmt: skip

@@ -6,7 +6,8 @@ from scipy.interpolate import CubicSpline
 from mbsd3d import Pulse, System, linearize, measures, simulate
 
 from ..figure import Line
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import first, most
 from .car import SHOW_OPTIONS, WHEELS, Car
 from .driver import closed, followed
 from .linear import Y
@@ -27,7 +28,7 @@ def course_of(width, v, preview):
     return step - Pulse(width, start=breaks[2], edge=fall), breaks
 
 
-def mechanism(*, ms=1400.0, h=0.55, a=1.2, b=1.5, v=22.0, width=3.5, preview=0.7, lag=0.05) -> System:
+def mechanism(*, ms=1400.0, h=0.55, a=1.2, b=1.5, v=22.0, width=3.5, preview=0.5, lag=0.05) -> System:
     """Build the car at v, a course to the left by width [m]; the driver sees ``preview`` [s] ahead and lags by ``lag``
     [s].
     """
@@ -141,11 +142,24 @@ demo = Demo(
     __name__,
     title="A double lane change",
     question="How does a driver bring a car into the other lane and back, and why does he lose it a little faster?",
+    beats=(
+        Beat(0.0, "The driver looks ahead to the point that he follows."),
+        Beat(first(lambda run: run.com('chassis')[:, 1] > 1.75), "Out into the other lane ..."),
+        Beat(most(lambda run: run.com('chassis')[:, 1]), "... and beyond it ..."),
+        Beat(most(lambda run: -run.com('chassis')[:, 1]), "... and back, past the first one: the tail has swung."),
+    ),
     why="He looks at a point of the course ahead and steers the circle that leads through it; that is all he needs. "
     "But his hands lag behind his eyes, and a fast car lags behind its steer, so that it swings about the course, "
     "ever more weakly damped the faster it is. On the way back the tyres are asked for more than they have, the "
     "tail comes round, and steering at the point no longer helps.",
     equation="steer = 2 (L + K v^2) e/s^2",
+    symbols={
+        "e": Symbol("how far the point looked at lies beside", "m"),
+        "s": Symbol("how far ahead it lies", "m", lambda v, preview: v * preview),
+        "L": Symbol("wheelbase", "m", lambda a, b: a + b),
+        "K": Symbol("understeer", "rad s^2/m"),
+        "v": Symbol("speed", "m/s", "v"),
+    },
     source="ISO 3888-1 (double lane change); Milliken, Milliken, Race Car Vehicle Dynamics",
     quantities={
         "left_share": Quantity("farthest to the left, over the width", "", relative=1e-5),
@@ -153,12 +167,12 @@ demo = Demo(
         "damping_1_s": Quantity("damping of the slowest swing of car and driver", "1/s", relative=1e-7),
         "frequency_rad_s": Quantity("its frequency", "rad/s", relative=1e-7),
     },
-    ablation=Ablation("foresight", "a driver who looks only 0.5 s ahead swings to and fro", {"preview": 0.5}),
+    ablation=Ablation("haste", "a driver who looks 0.9 s ahead swings half as far", {"preview": 0.9}),
     alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
     show={
         **SHOW_OPTIONS,
         "curves": [("angle", "front left slide"), ("force", "front right tyre")],
         "traces": ["chassis", "point"],
     },
-    ranges={"a": (1.1, 1.2), "v": (19.0, 24.0)},
+    ranges={"a": (1.1, 1.2), "v": (19.0, 24.0), "preview": (0.48, 0.6)},
 )  # fmt: skip

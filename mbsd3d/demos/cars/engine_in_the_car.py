@@ -5,10 +5,11 @@ import numpy as np
 from mbsd3d import Pulse, System, simulate
 
 from ..figure import Line
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Against, Beat, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 from .car import SHOW_OPTIONS, Car, Engine, G, car
 from .circle import circle
-from .theory import axle_stiffnesses
+from .theory import ROLL_SYMBOLS, axle_stiffnesses
 
 SMALL_ACCELERATION = 1e-3  # [m/s^2] terms of second order vanish
 AXES = {"y": (0.0, 1.0, 0.0), "x": (1.0, 0.0, 0.0)}
@@ -94,12 +95,24 @@ demo = Demo(
     __name__,
     title="An engine across the car",
     question="Does the spin of a transverse engine make a car roll, or pitch, and does one notice?",
+    beats=(
+        Beat(0.0, "A car with its engine across, at 94 km/h."),
+        Beat(share(1.0), "It leans. Of the lean the engine makes 0.8 percent."),
+    ),
     why="The car carries the crankshaft's angular momentum round the corner, which takes a moment at right angles to "
     "it. Built across and turning like the wheels, the engine rolls the car outward, as its wheels do; it does "
     "not pitch it, as some books say. Built along, it pitches it and does not roll it. But nobody notices: of the roll "
     "the engine makes less than one part in a hundred, because J W v/R is small beside m h v^2/R; at higher speeds "
     "the share falls.",
     equation="roll = (m_s h + 4 m_w r + 4 I_w/r + J W/v) a_y / (K_f + K_r - (m_s h + 4 m_w r) g)",
+    symbols={
+        "a_y": Symbol("acceleration sideways", "m/s^2"),
+        "J": Symbol("moment of the crankshaft", "kg m^2", "J"),
+        "W": Symbol("spin of the engine", "rad/s", "Omega"),
+        "v": Symbol("speed", "m/s", "v"),
+        "m_s": Symbol("body", "kg"),
+        **ROLL_SYMBOLS,
+    },
     source="d(J W)/dt = w x H; Milliken, Milliken, Race Car Vehicle Dynamics (gyroscopic couples)",
     quantities={
         "share_percent": Quantity("share of the engine in the roll", "%", 1e-6, 1e-5),

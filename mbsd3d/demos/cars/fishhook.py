@@ -6,9 +6,10 @@ from scipy.interpolate import CubicSpline
 from mbsd3d import Pulse, System, measures, simulate
 
 from ..figure import Line
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Curve, Demo, Measured, Quantity, require
+from ..moments import share
 from .car import SHOW_OPTIONS, WHEELS, Car, car
-from .linear import ROLL, linear
+from .linear import ROLL, SYMBOLS, linear
 
 SMALL_STEER, TIGHT_RTOL = 1e-6, 1e-12  # rad of steer: what is of second order has no say; tolerance of the run
 EDGE_SECONDS = 0.15  # [s] in which it is steered by the angle, back by twice of it in twice the time
@@ -141,12 +142,19 @@ demo = Demo(
     __name__,
     title="The fishhook",
     question="Why does a car that slides in a steady turn tip over when it is steered to and fro?",
+    beats=(
+        Beat(0.0, "At 79 km/h."),
+        Beat(0.531, "Steered one way it holds, and is steered back now."),
+        Beat(share(0.75), "The wheels on one side are off the road."),
+        Beat(share(1.0), "Over."),
+    ),
     why="In a steady turn the loads of the inner wheels follow the side force, and that ends with the grip: a car "
     "that is low and wide enough slides. A car that is thrown from one side to the other, just when it has rolled "
     "farthest, swings through: springs and side force now push the same way, and it rolls farther than any steady "
     "turn rolls it. With luggage on its roof this one falls over at a steer at which a single turn leaves all "
     "wheels on the road.",
     equation="roll of the fishhook / roll of the steady turn, by M q'' + D q' + K q = B d'' + C d' + T F",
+    symbols=SYMBOLS,
     source="NHTSA, Federal Register 68 (2003), p. 59250 (fishhook with roll rate feedback)",
     quantities={
         "at_s": Quantity("it has rolled farthest, and is steered back, after", "s", relative=1e-4),

@@ -19,6 +19,7 @@ from scipy.linalg import expm
 
 from mbsd3d import Signal
 
+from ..form import Symbol
 from .car import Car, G
 
 STEP_DIGITS = 12  # [1] digits of a step in s: times of an even grid are rounded
@@ -28,6 +29,18 @@ STATE_COUNT = 16
 """q, q', side deflections front and rear, deflections ahead of the left wheels, spins of these above v/r."""
 SIDE_STATES, AHEAD_STATES, SPIN_STATES = slice(10, 12), slice(12, 14), slice(14, 16)
 FULL_SPIN, HALF_SPIN = 1.0, 0.5
+
+SYMBOLS = {
+    "q": Symbol("sideways, yaw, roll and the rest"),
+    "M": Symbol("masses"),
+    "D": Symbol("damping"),
+    "K": Symbol("stiffness"),
+    "B": Symbol("what the rate of the steer does"),
+    "C": Symbol("what the steer does"),
+    "d": Symbol("steer", "rad", "steer"),
+    "T": Symbol("how the tyres act on the car"),
+    "F": Symbol("forces of the tyres; in front to the side", "N", curve=(0, 1)),
+}
 """Share of the wheels' spin that counts: of the moment half is I dw/dt of a diameter, which no switch takes away."""
 
 

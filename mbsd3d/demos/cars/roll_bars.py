@@ -5,7 +5,8 @@ import numpy as np
 from mbsd3d import Pulse, System, simulate
 
 from ..figure import Line
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 from .car import SHOW_OPTIONS, Car, car
 from .circle import circle, circles
 from .theory import ROLL_TOLERANCE, limit, trims, understeer_gradient
@@ -99,12 +100,26 @@ demo = Demo(
     __name__,
     title="Which end lets go first",
     question="Why does a stiffer anti-roll bar in front make a car run wide, and one at the rear make it spin?",
+    beats=(
+        Beat(0.0, "The stiff bar is in front."),
+        Beat(share(0.5), "In front the outer tyre carries most ..."),
+        Beat(share(1.0), "... and lets go first: it runs wide. With the bar behind it would spin."),
+    ),
     why="Both bars hold the same roll, but each takes its part of the load that goes to the outer wheels over its own "
     "axle. A tyre grips less per load the more load it has, so an axle whose load is shared more unevenly has "
     "less grip: the one with the bar lets go first. Bars in front: the car runs wide and wants ever more steer; "
     "bars at the rear: the tail comes round, and the steer must be taken back; the inner driven wheel, which then "
     "bears next to nothing, spins. In gentle curves one feels none of it.",
     equation="F_max = mu (2 N (1 + k) - 2 k (N^2 + D^2)/N_0), D = K_i roll/track",
+    symbols={
+        "F_max": Symbol("what an axle can hold", "N"),
+        "mu": Symbol("friction", "", "mu"),
+        "N": Symbol("mean load of its tyres", "N"),
+        "D": Symbol("load that goes to the outer one", "N"),
+        "k": Symbol("grip lost for more load", "", "less_grip"),
+        "N_0": Symbol("load without a curve", "N"),
+        "K_i": Symbol("roll stiffness of the axle", "N m/rad"),
+    },
     source="Milliken, Milliken, Race Car Vehicle Dynamics",
     quantities={
         "limit_rear_bars_m_s2": Quantity("largest lateral acceleration, bars at the rear", "m/s^2",
@@ -122,4 +137,9 @@ demo = Demo(
     alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
     show={**SHOW_OPTIONS, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
     ranges={"share": None},
+    sliders=(
+        Control("steer", 0.02, 0.1, "rad"),
+        Control("share", 0.0, 1.0, "", "share of the rear bar"),
+    ),
+    attempt="move the stiffness from one end to the other: the end with the stiffer bar lets go first.",
 )  # fmt: skip

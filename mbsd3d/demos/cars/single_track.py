@@ -21,7 +21,8 @@ from mbsd3d import (
 )
 
 from ..figure import Line
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 from .car import KINGPIN_SHAPE, G
 
 WHEEL_RADIUS, TYRE_STIFFNESS = 0.3, 1e6  # m; N/m of the tyres' springs, which carry the weight
@@ -132,6 +133,11 @@ def response(build, v, terms):
     return slow, float(np.linalg.solve(A, rates)[1] / -SMALL_STEER)
 
 
+def film(build) -> System:
+    """Build what is seen: the car on tyres whose forces come late enough for steps that one can wait for."""
+    return build(relaxation=VISIBLE_RELAXATION)
+
+
 def measure(build, terms, *, a, b, v) -> Measured:
     """Measure eigenvalue and yaw gain at v, the speed at which a circle needs twice the steer L/R, and a step of the
     steer.
@@ -175,11 +181,26 @@ demo = Demo(
     __name__,
     title="The car as a single track",
     question="Why does a car answer its steering wheel most at one speed, and less when it is faster?",
+    beats=(
+        Beat(0.0, "A step of the handwheel at 72 km/h."),
+        Beat(share(1.0), "It turns at 5.4 times its steer, each second. At 41 m/s it would be most."),
+    ),
     why="A turn wants a side force of each axle, and that a slip angle of its tyres. If the front axle has to slip "
     "more, the car understeers: the faster it is the more of the steer goes into slip, and from the "
     "characteristic speed on, where a circle wants twice the steer, the yaw rate falls. The same slip damps the "
     "car, and ever less the faster it is: the slips are sideways speeds over the speed ahead.",
     equation="(yaw rate) / steer = v/(L + K v^2), K = m (b C_r - a C_f)/(L C_f C_r), V = sqrt(L/K)",
+    symbols={
+        "v": Symbol("speed", "m/s", "v"),
+        "L": Symbol("wheelbase", "m", lambda a, b: a + b),
+        "K": Symbol("understeer", "rad s^2/m", lambda m, a, b, Cf, Cr: m * (b * Cr - a * Cf) / ((a + b) * Cf * Cr)),
+        "m": Symbol("car", "kg", "m"),
+        "a": Symbol("front axle, from the centre of mass", "m", "a"),
+        "b": Symbol("rear axle", "m", "b"),
+        "C_f": Symbol("stiffness of the front tyres", "N/rad", "Cf"),
+        "C_r": Symbol("stiffness of the rear tyres", "N/rad", "Cr"),
+        "V": Symbol("speed of the fastest answer", "m/s"),
+    },
     source="Riekert, Schunck 1940; Milliken, Milliken, Race Car Vehicle Dynamics, ch. 5",
     quantities={
         "damping_1_s": Quantity("damping of the swing between sideslip and yaw", "1/s", relative=1e-6),
@@ -197,4 +218,9 @@ demo = Demo(
     show={"curves": [("force", "front"), ("force", "rear")], "hidden": ["joints", "joint names"], "follow": "car"},
     ranges={"a": (1.3, 1.4), "Cf": (50e3, 58e3), "relaxation": None, "steer": None},
     may_vanish=("step",),
+    sliders=(
+        Control("v", 8.0, 40.0, "m/s", "speed"),
+        Control("step", 0.005, 0.02, "rad", "step of the steering"),
+    ),
+    attempt="drive faster: the answer comes later and overshoots.",
 )  # fmt: skip

@@ -8,9 +8,9 @@ from scipy.interpolate import CubicSpline
 from mbsd3d import Pulse, System, measures, simulate
 
 from ..figure import Line
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Control, Curve, Demo, Measured, Quantity, require
 from .car import SHOW_OPTIONS, Car, car
-from .linear import FULL_SPIN, HALF_SPIN, HEADING, ROLL, Y, linear
+from .linear import FULL_SPIN, HALF_SPIN, HEADING, ROLL, SYMBOLS, Y, linear
 
 SMALL_STEER, TIGHT_RTOL = 1e-6, 1e-12  # rad of steer: what is of second order has no say; tolerance of the run
 RESPONSE_MAX = 100.0  # [m/s^2/rad] per steer; a car with more is steered less, so that its tyres slip no more
@@ -105,11 +105,18 @@ demo = Demo(
     __name__,
     title="A step of the steer",
     question="In which order does a car answer its steering wheel: does it yaw, move aside, or roll first?",
+    beats=(
+        Beat(0.0, "Steered at once."),
+        Beat(0.309, "First it turns ..."),
+        Beat(0.477, "... then it goes aside ..."),
+        Beat(0.499, "... and last it leans."),
+    ),
     why="The front tyres push as soon as they have rolled a little way, and the car yaws. Only when it has turned do "
     "the rear tyres push too: then it moves aside with all it has, and by that it rolls, last, on its springs and "
     "dampers. The faster the car the later all of it. After a large step each comes to less in proportion, as the "
     "tyres slip more.",
     equation="M q'' + D q' + K q = B d'' + C d' + T F; q: five displacements; the tyres lag",
+    symbols=SYMBOLS,
     source="ISO 7401 (step input); Milliken, Milliken, Race Car Vehicle Dynamics",
     quantities={
         "yaw_gain_1_s": Quantity("yaw rate over steer, in the end", "1/s", relative=2e-5),
@@ -126,4 +133,9 @@ demo = Demo(
     ),
     alone="MuJoCo has no such tyre, and Exudyn no bar between two wheels",
     show={**SHOW_OPTIONS, "curves": [("force", "front right tyre"), ("force", "rear right tyre")]},
+    sliders=(
+        Control("v", 15.0, 35.0, "m/s", "speed"),
+        Control("steer", 0.01, 0.06, "rad"),
+    ),
+    attempt="drive faster: the car leans later, and swings longer.",
 )  # fmt: skip

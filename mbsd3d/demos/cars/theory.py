@@ -10,8 +10,18 @@ import numpy as np
 from scipy.optimize import approx_fprime, root
 
 from ...base.errors import InputError
-from ..form import require
+from ..form import GRAVITY, Symbol, require
 from .car import WHEELS, Car, G
+
+ROLL_SYMBOLS = {  # of the equation of the roll in a steady turn
+    "h": Symbol("height of its centre of mass", "m", "h"),
+    "m_w": Symbol("wheel", "kg"),
+    "r": Symbol("wheel", "m"),
+    "I_w": Symbol("moment of a wheel along its axle", "kg m^2"),
+    "K_f": Symbol("roll stiffness in front", "N m/rad"),
+    "K_r": Symbol("roll stiffness at the rear", "N m/rad"),
+    "g": GRAVITY,
+}
 
 WHEEL_PLACES = np.array([*WHEELS.values()])  # [1] (4, 2) ahead 1, behind -1; left 1, right -1
 FRONT_WHEELS, WHEEL_SIDES = WHEEL_PLACES[:, 0] > 0, WHEEL_PLACES[:, 1]

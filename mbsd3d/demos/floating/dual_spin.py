@@ -4,7 +4,10 @@ import numpy as np
 
 from mbsd3d import GROUND, Body, Revolute, Spherical, State, System, accelerations, shapes, simulate
 
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
+
+KICK = 1e-3  # [1] of the turn
 
 
 def mechanism(*, I=(30.0, 50.0, 40.0), w=0.5, J=0.2, Omega=60.0) -> System:
@@ -19,6 +22,18 @@ def mechanism(*, I=(30.0, 50.0, 40.0), w=0.5, J=0.2, Omega=60.0) -> System:
         Revolute(body, wheel, at=(0, 0, 0), axis=(0, 0, 1), name="bearing"),
     ]
     return System([body, wheel], joints, gravity=(0, 0, 0))
+
+
+def kicked(system, w) -> State:
+    """Return the start with a thousandth of the turn about the first axis besides."""
+    start = system.state()
+    return State(start.t, start.q, start.v + KICK * w * (np.eye(12)[3] + np.eye(12)[9]))
+
+
+def film(build, *, w) -> tuple[System, State]:
+    """Build what is seen: the start after a kick."""
+    system = build()
+    return system, kicked(system, w)
 
 
 def square(I, w, J, Omega):
@@ -47,9 +62,7 @@ def measure(build, terms, *, I, w, J, Omega) -> Measured:
     )
     on = values[Omega][1]
     system = build()
-    kicked = system.state()
-    kicked = State(kicked.t, kicked.q, kicked.v + 1e-3 * w * (np.eye(12)[3] + np.eye(12)[9]))
-    run = simulate(system, 40.0 / abs(w), state=kicked, rtol=1e-10, output=401, **terms)
+    run = simulate(system, 40.0 / abs(w), state=kicked(system, w), rtol=1e-10, output=401, **terms)
     spin = Curve("rate about the wheel's axis [rad/s]", run.t, run.omega_body("satellite")[:, 2])
     return Measured({"growth_wheel_off_1_s": values[0.0][0], "nutation_wheel_on_rad_s": on}, [run], [map_of, spin])
 
@@ -73,11 +86,26 @@ demo = Demo(
     __name__,
     title="A wheel calms the forbidden axis",
     question="Can a wheel inside make the forbidden axis stable?",
+    beats=(
+        Beat(0.0, "It turns about its middle axis, which throws every body over ..."),
+        Beat(share(0.5), "... but for the wheel that spins inside."),
+        Beat(share(1.0), "After 80 s its axis still stands."),
+    ),
     why="A free body cannot spin about its middle axis: the smallest error grows until it turns over. A wheel that "
     "spins along that axis adds angular momentum without adding inertia, so that the axis behaves as if its "
     "moment were the greatest. This keeps television satellites steady while their aerial, "
     "turning once a day, points down.",
     equation="lambda^2 = -(h + (C - A) w)(h + (C - B) w) / (A B); h = J W",
+    symbols={
+        "w": Symbol("spin about the middle axis", "rad/s", curve=(0, 2)),
+        "A": Symbol("one moment across", "kg m^2", lambda I, J: I[0] + J / 2),
+        "B": Symbol("the other one", "kg m^2", lambda I, J: I[1] + J / 2),
+        "C": Symbol("moment about the middle axis", "kg m^2", lambda I, J: I[2] + J),
+        "h": Symbol("angular momentum of the wheel", "N m s", lambda J, Omega: J * Omega),
+        "J": Symbol("moment of the wheel", "kg m^2", "J"),
+        "W": Symbol("spin of the wheel", "rad/s", "Omega"),
+        "lambda": Symbol("growth of an error", "1/s"),
+    },
     source="Hughes, Spacecraft Attitude Dynamics, ch. 6 (gyrostats)",
     quantities={
         "growth_wheel_off_1_s": Quantity("growth of an error, wheel off", "1/s"),
@@ -86,4 +114,6 @@ demo = Demo(
     ablation=Ablation("wheel", "with the wheel at rest errors grow and nothing wobbles", {"Omega": 0.0}),
     show={"curves": [("omega_body", "satellite")]},
     ranges={"I": [(28.0, 32.0), (48.0, 55.0), (38.0, 43.0)], "w": (0.3, 0.7)},
+    sliders=(Control("Omega", 0.0, 90.0, "rad/s", "speed of the wheel"),),
+    attempt="slow the wheel down: below 25 rad/s the satellite turns over.",
 )

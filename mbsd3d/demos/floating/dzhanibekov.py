@@ -8,7 +8,8 @@ from mbsd3d import Body, System, rotation, shapes, simulate
 from mbsd3d.base.rotations import matrix
 
 from ..figure import Line, Path
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import first, share
 from ..panel_drawing import rim
 
 NAMES, SAMPLES = ("least moment", "middle moment", "greatest moment"), 1501
@@ -86,9 +87,9 @@ def flips(run):
 def polhodes(I):
     """Return paths of L / L in the body for some energies: sum of l^2 / I = c on the unit sphere, (points, 3) each."""
     i, turn, paths = 1 / np.array(I), np.linspace(0, 2 * np.pi, 121), []
-    for share in (0.03, 0.25, 0.6, 0.999):
+    for level in (0.03, 0.25, 0.6, 0.999):
         for around, sign in ((0, 1), (0, -1), (2, 1), (2, -1)):
-            c, path = i[around] + share * (i[1] - i[around]), np.zeros((turn.size, 3))
+            c, path = i[around] + level * (i[1] - i[around]), np.zeros((turn.size, 3))
             path[:, 1] = np.sqrt((c - i[around]) / (i[1] - i[around])) * np.cos(turn)
             path[:, 2 - around] = np.sqrt((c - i[around]) / (i[2 - around] - i[around])) * np.sin(turn)
             path[:, around] = sign * np.sqrt(1 - path[:, 1] ** 2 - path[:, 2 - around] ** 2)
@@ -128,11 +129,30 @@ demo = Demo(
     __name__,
     title="Dzhanibekov effect: the tumbling of the middle axis",
     question="Why does a wing nut in space turn over again and again?",
+    beats=(
+        Beat(0.0, "Three equal spins: about the least, the middle and the greatest axis."),
+        Beat(first(lambda run: run.omega_body('middle moment')[:, 1] < 0), "Only the middle one turns over."),
+        Beat(first(lambda run: run.omega_body('middle moment')[:, 1] < -4.99),
+             "It spins quietly upside down, and its angular momentum has not moved."),
+        Beat(share(1.0), "The two others have not left their axes."),
+    ),
     why="In a plane w and I w are parallel, so a free body spins on for ever. In space they are not, and w x I w moves "
     "the spin through the body. About the axes of least and greatest moment it stays near; about the middle axis the "
     "smallest error grows until the body has turned over, and then again. No torque is at work: energy and angular "
     "momentum stay as they are.",
     equation="I w_dot = -w x I w; interval = 2 K(k) / p; p^2 = (I_3 - I_2)(L^2 - 2 T I_1) / (I_1 I_2 I_3)",
+    symbols={
+        "w": Symbol("spin of the middle one about its middle axis", "rad/s", curve=(1, 1)),
+        "L": Symbol("angular momentum", "N m s", arrow="angular momentum"),
+        "I": Symbol("moments of a handle", "kg m^2"),
+        "I_1": Symbol("least", "kg m^2", lambda I: I[0]),
+        "I_2": Symbol("middle", "kg m^2", lambda I: I[1]),
+        "I_3": Symbol("greatest", "kg m^2", lambda I: I[2]),
+        "T": Symbol("energy", "J", lambda I, spin, off: 0.5 * (I[1] * spin**2 + (I[0] + I[2]) * (off * 1.0) ** 2)),
+        "p": Symbol("rate within the elliptic functions", "rad/s"),
+        "K": Symbol("complete elliptic integral"),
+        "k": Symbol("its modulus"),
+    },
     source="Landau, Lifshitz, Mechanics, par. 37 (asymmetrical top: period 4 K/p of the elliptic functions)",
     quantities={
         "flip_interval_s": Quantity("interval between flips", "s", 1e-8, 1e-7),
@@ -143,4 +163,9 @@ demo = Demo(
                       values=lambda: {"flip_interval_s": np.inf}),
     show={"curves": [("omega_body", name) for name in NAMES], "traces": [], "shown": ["angular momentum"]},
     ranges={"I": [(1.0, 1.2), (1.9, 2.1), (2.7, 2.9)]},
+    sliders=(Control("off", 5e-4, 0.2, "rad/s", "error of the spin", logarithmic=True),
+             Control("spin", 3.0, 8.0, "rad/s")),
+    readings={"flip_interval_s": ("crossings", 3, 1)},
+    attempt="enlarge the error of the spin tenfold: the body turns over sooner, but only by a second and a half, "
+    "as the error grows exponentially. Then omit the gyroscopic term.",
 )  # fmt: skip

@@ -4,7 +4,8 @@ import numpy as np
 
 from mbsd3d import Body, Bushing, Spherical, System, shapes, simulate
 
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import first, share
 from ..quadrature import motion
 
 # [1] largest rate across the final axis over the rate about it: its square is lost in the rate
@@ -73,11 +74,28 @@ demo = Demo(
     __name__,
     title="Explorer 1 and its flat spin",
     question="Why did Explorer 1, spun about its long axis, end up tumbling end over end?",
+    beats=(
+        Beat(0.0, "It spins about its long axis, like a bullet."),
+        Beat(
+            first(lambda run: np.abs(run.omega_body("satellite")[:, 0]) < 2.5),
+            "Its fuel rubs: energy is lost, angular momentum is not.",
+        ),
+        Beat(share(1.0), "Now it tumbles end over end."),
+    ),
     why="Nothing outside can change the angular momentum, but fuel that sloshes and aerials that bend turn energy "
     "into heat. For a given angular momentum the energy H^2/2I is greatest about the long axis, where I is "
     "least, and least about the short one. So the satellite tips, slowly at first, until it turns flat. A body "
     "without losses would have kept its spin.",
     equation="I w' + w x I w = c (b - w); j (b' + w x b) = -c (b - w); in the end: w = H / (I_3 + j)",
+    symbols={
+        "w": Symbol("spin about the long axis", "rad/s", curve=(0, 0)),
+        "I": Symbol("moments of the satellite", "kg m^2"),
+        "I_3": Symbol("greatest of them", "kg m^2", lambda I: I[2]),
+        "b": Symbol("spin of the fuel", "rad/s"),
+        "j": Symbol("moment of the fuel", "kg m^2", "j"),
+        "c": Symbol("rubbing of the fuel", "N m s", "c"),
+        "H": Symbol("angular momentum", "N m s", arrow="angular momentum"),
+    },
     source="Hughes, Spacecraft Attitude Dynamics (energy sink, Explorer 1); Bracewell, Garriott, Nature 182 (1958)",
     quantities={
         "long_axis_rate_at_t_rad_s": Quantity("rate about the long axis at t", "rad/s", relative=1e-7),
@@ -88,4 +106,10 @@ demo = Demo(
     ),  # fmt: skip
     show={"curves": [("omega_body", "satellite"), "energy"], "shown": ["angular momentum"], "speed": 4.0, "traces": []},
     ranges={"I": [(0.9, 1.1), (8.5, 9.2), (9.25, 9.35)], "t": (30.0, 45.0)},
+    sliders=(
+        Control("c", 0.05, 1.0, "N m s", "losses", logarithmic=True),
+        Control("w", 3.0, 6.0, "rad/s", "spin"),
+    ),
+    theory_moves=False,
+    attempt="make the losses small: it spins about its long axis for longer, and ends flat all the same.",
 )

@@ -5,7 +5,8 @@ import numpy as np
 from mbsd3d import GROUND, AngleDriver, Body, Fixed, Polynomial, Revolute, System, rotation, shapes, simulate
 from mbsd3d.rotations import multiply
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
+from ..form import Ablation, Against, Beat, Control, Curve, Demo, Measured, Quantity, Symbol
+from ..moments import share
 
 FALL_SECONDS = 0.6  # [s] for a roll by 360 degrees; the turn depends neither on it nor on the fall
 FALL_HEIGHT = 0.5 * 9.81 * FALL_SECONDS**2  # [m]
@@ -61,15 +62,27 @@ demo = Demo(
     __name__,
     title="The cat that lands on its feet",
     question="How does a cat land on its feet without anything to push on?",
+    beats=(
+        Beat(0.0, "Dropped with its legs up, with nothing to push on."),
+        Beat(share(0.5), "Bent at the waist, it rolls about its own back."),
+        Beat(share(1.0), "Legs down. Its angular momentum was nothing all the way."),
+    ),
     why="The cat bends and rolls both halves of its body about their own axes, like a bent hose turned in a hose. "
     "Rolling has angular momentum; so that the sum stays zero, the bent cat as a whole turns the other way. "
     "After one roll its shape is what it was, and it has turned by half a revolution. Straight, it would turn "
     "back exactly what it rolled.",
     equation="turn = 360 deg (C cos g / (C cos^2 g + A sin^2 g) - 1); g = bend / 2",
+    symbols={
+        "g": Symbol("half of the bend at the waist", "deg", lambda bend_deg: bend_deg / 2),
+        "C": Symbol("moment of a half along its back", "kg m^2", "C"),
+        "A": Symbol("moment of a half across it", "kg m^2", "A"),
+    },
     source="Kane, Scher, Int. J. Solids Struct. 5 (1969) 663; closed form of equal halves by angular momentum zero",
     quantities={"net_turn_deg": Quantity("turn of the cat after one roll", "deg")},
     ablation=Ablation("bend", "a straight cat does not turn", {"bend_deg": 0.0}),
     against=Against("bend_deg", 0.0, 120.0, "bend at the waist [deg]"),
     show={"curves": [("angle", "fore roll"), "momentum"], "shown": [], "traces": [], "speed": 0.25, "view": (-70, 10)},
     ranges={"A": (0.09, 0.15), "C": (0.02, 0.05)},
+    sliders=(Control("bend_deg", 5.0, 110.0, "deg", "half bend"),),
+    attempt="bend it more: it turns by more in the same fall. The ghost is stiff, and comes back as it was.",
 )

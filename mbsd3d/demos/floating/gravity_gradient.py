@@ -5,9 +5,18 @@ from scipy.special import ellipk
 
 from mbsd3d import GROUND, Body, CentralGravity, Revolute, SpeedDriver, System, measures, rotation, shapes, simulate
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Against, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 
 EARTH_DISTANCE = 100.0  # [m] where the orbit needs mu = n^2 d^3; the swing does not depend on it
+
+
+def globe():
+    """Draw the Earth below, much nearer than it is, and the line down to it."""
+    return (
+        shapes.Sphere(1.2, at=(-3.2, 0, 0), colour="steelblue"),
+        shapes.Cylinder(0.012, 2.0, "x", at=(-1.0, 0, 0), colour="gray"),
+    )
 
 
 def mechanism(*, I=(10.0, 11.0, 3.0), n=0.05, pitch_deg=40.0) -> System:
@@ -15,7 +24,7 @@ def mechanism(*, I=(10.0, 11.0, 3.0), n=0.05, pitch_deg=40.0) -> System:
     x.
     """
     rate, turned = np.array([0, n, 0]), rotation("y", 90.0 + pitch_deg, degrees=True)
-    orbit = Body("orbit", 1.0, (1, 1, 1), omega=rate, shape=shapes.Torus(1.5, 0.01, "y"))
+    orbit = Body("orbit", 1.0, (1, 1, 1), omega=rate, shape=globe())
     form = (
         shapes.Cylinder(0.05, 2.4),
         shapes.Box((0.5, 0.5, 0.4), at=(0, 0, -1.2)),
@@ -62,11 +71,24 @@ demo = Demo(
     __name__,
     title="The same face for ever",
     question="Why does the Moon (and a long satellite) always show the same face?",
+    beats=(
+        Beat(0.0, "Let go 40 degrees aslant."),
+        Beat(25.86, "The near end is pulled more: it comes upright."),
+        Beat(51.7, "It swings over like a pendulum ..."),
+        Beat(share(1.0), "... and always shows the same end."),
+    ),
     why="Gravity falls off with the distance, so the near end of a long body is pulled more than the far end, and on "
     "its orbit the centrifugal force does the same. Both together turn its long axis towards the Earth like a "
     "pendulum that has two lowest points. A body turned out of the vertical swings about it; a sphere feels "
     "nothing.",
     equation="I_2 a'' = -3 n^2 (I_1 - I_3) sin a cos a",
+    symbols={
+        "a": Symbol("pitch since the release", "rad", curve=(0, 0)),
+        "n": Symbol("rate of the orbit", "rad/s", "n"),
+        "I_1": Symbol("moment along the way", "kg m^2", lambda I: I[0]),
+        "I_2": Symbol("moment across the orbit", "kg m^2", lambda I: I[1]),
+        "I_3": Symbol("moment along the length", "kg m^2", lambda I: I[2]),
+    },
     source="Hughes, Spacecraft Attitude Dynamics, ch. 9; Goldstein, Classical Mechanics, 5.8",
     quantities={"quarter_period_s": Quantity("time from the release to the vertical", "s")},
     ablation=Ablation(
@@ -78,4 +100,6 @@ demo = Demo(
     against=Against("pitch_deg", 5.0, 85.0, "pitch at the release [deg]"),
     show={"curves": [("angle", "pitch")], "traces": []},
     ranges={"I": [(9.0, 10.0), (9.5, 11.0), (2.5, 3.5)]},
+    sliders=(Control("pitch_deg", 5.0, 75.0, "deg", "tilt at the start"),),
+    attempt="let it go from farther off the vertical: it swings slower, as a pendulum does.",
 )

@@ -4,7 +4,8 @@ import numpy as np
 
 from mbsd3d import GROUND, AngleDriver, Body, GearMesh, Kinematic, Ramp, Revolute, System, Torque, simulate
 
-from ..form import Ablation, Against, Demo, Measured, Quantity, require
+from ..form import Ablation, Against, Beat, Control, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 from .helical_thrust import teeth
 
 
@@ -51,11 +52,24 @@ demo = Demo(
     __name__,
     title="Crossed screws as gears",
     question="How do two screws on crossed shafts make a gear whose ratio is not that of the radii?",
+    beats=(
+        Beat(0.0, "Screws on crossed shafts."),
+        Beat(share(0.5), "The pinion has turned once, the wheel half: not the ratio of their radii."),
+    ),
     why="On crossed shafts the teeth slide along each other like screws. Only the motion at right angles to the "
     "teeth is handed on; it sees each radius shortened by the cosine of its helix angle. So two wheels of the "
     "same size can gear down, and the ratio is set by the helix. The price is sliding and a large push along the "
     "shafts.",
     equation="ratio = r_1 cos b_1 / (r_2 cos b_2); b_1 + b_2 = angle of the shafts; thrust = T tan(b_1) / r_1",
+    symbols={
+        "r_1": Symbol("pinion", "m", "r1"),
+        "r_2": Symbol("wheel", "m", "r2"),
+        "b_1": Symbol("slant of the pinion's teeth", "deg", "helix_deg"),
+        "b_2": Symbol(
+            "slant of the wheel's teeth", "deg", lambda helix_deg, shaft_angle_deg: shaft_angle_deg - helix_deg
+        ),
+        "T": Symbol("torque on the pinion", "N m", "torque", arrow="reaction force"),
+    },
     source="Shigley, Mechanical Engineering Design, ch. 13; Litvin, Fuentes, Gear Geometry and Applied Theory",
     quantities={
         "ratio": Quantity("rate of the wheel over that of the pinion"),
@@ -65,4 +79,9 @@ demo = Demo(
     ablation=Ablation("helix", "with equal helix angles the ratio is that of the radii", {"helix_deg": 45.0}),
     against=Against("helix_deg", 10.0, 80.0, "helix angle of the pinion [deg]"),
     show={"curves": [("rate", "pinion shaft"), ("rate", "wheel shaft")], "shown": ["reaction force"], "traces": []},
+    sliders=(
+        Control("helix_deg", 15.0, 75.0, "deg", "helix of the pinion"),
+        Control("torque", 5.0, 50.0, "N m"),
+    ),
+    attempt="change the helix at the same radii: the ratio changes.",
 )

@@ -5,7 +5,8 @@ import numpy as np
 from mbsd3d import GROUND, Body, GearMesh, Revolute, SpeedDriver, System, Torque, simulate
 from mbsd3d.shapes import Box, Cylinder
 
-from ..form import Ablation, Against, Demo, Measured, Quantity
+from ..form import Ablation, Against, Beat, Control, Demo, Measured, Quantity, Symbol
+from ..moments import share
 from .helical_thrust import teeth
 
 LOAD_TORQUE = 100.0  # [N m] the road's resistance at the right wheel
@@ -57,11 +58,23 @@ demo = Demo(
     __name__,
     title="The differential",
     question="How can one shaft drive two wheels that turn at different rates with the same torque?",
+    beats=(
+        Beat(0.0, "In a curve."),
+        Beat(share(0.5), "The left wheel loses ..."),
+        Beat(share(1.0), "... what the right one gains: 10 and 70, the mean is that of the engine."),
+    ),
     why="In a curve the outer wheel has the longer way. The engine turns only the carrier of a pin gear that meshes "
     "with both side gears. The pin pushes both with the same force, like a balance, and by turning on its own "
     "axle it lets one wheel gain what the other loses. That is also why a car stands still if one wheel is on "
     "ice.",
     equation="w_L + w_R = 2 w_C, T_L = T_R",
+    symbols={
+        "w_L": Symbol("left wheel", "rad/s", curve=(0, 0)),
+        "w_R": Symbol("right wheel", "rad/s", curve=(1, 0)),
+        "w_C": Symbol("carrier, which the engine turns", "rad/s", "carrier"),
+        "T_L": Symbol("torque on the left wheel", "N m"),
+        "T_R": Symbol("torque on the right wheel", "N m"),
+    },
     source="Willis, Principles of Mechanism (1841); Shigley, Mechanical Engineering Design, ch. 13",
     quantities={
         "right_rate_rad_s": Quantity("rate of the right wheel", "rad/s"),
@@ -71,4 +84,9 @@ demo = Demo(
     against=Against("left", 0.0, 80.0, "rate of the left wheel [rad/s]"),
     show={"curves": [("omega", "left wheel"), ("omega", "right wheel")], "traces": [], "speed": 0.05},
     ranges={"R": (0.04, 0.06), "r": (0.02, 0.035)},
+    sliders=(
+        Control("left", -40.0, 90.0, "rad/s", "left wheel"),
+        Control("carrier", 10.0, 60.0, "rad/s", "cage"),
+    ),
+    attempt="hold the left wheel: the right one runs at twice the rate of the cage.",
 )

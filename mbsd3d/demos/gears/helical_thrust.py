@@ -4,7 +4,8 @@ import numpy as np
 
 from mbsd3d import GROUND, Body, GearMesh, Revolute, SpeedDriver, System, Torque, shapes, simulate
 
-from ..form import Ablation, Against, Demo, Measured, Quantity, require
+from ..form import Ablation, Against, Beat, Control, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 
 PINION_RATE = 3.0  # [rad/s] of the pinion; nothing depends on it
 
@@ -54,13 +55,29 @@ demo = Demo(
     __name__,
     title="The thrust of helical gears",
     question="Why do helical gears push their shafts lengthwise?",
+    beats=(
+        Beat(0.0, "The force between the teeth leans along the shaft."),
+        Beat(share(0.5), "466 of 1000 N push the shaft lengthwise."),
+    ),
     why="Teeth push at right angles to their flanks. Oblique teeth run more quietly, because they come into contact "
     "little by little, but their flanks face partly along the shaft, and so does their force. Bearings must hold "
     "it; teeth in the shape of a V cancel it.",
     equation="F_t = T / r; F_a = F_t tan(helix); F_r = F_t tan(pressure) / cos(helix)",
+    symbols={
+        "F_t": Symbol("force round the wheel", "N", curve=(0, 1), arrow="reaction force"),
+        "F_a": Symbol("force along the shaft", "N", curve=(0, 2), arrow="reaction force"),
+        "F_r": Symbol("force between the shafts", "N", curve=(0, 0), arrow="reaction force"),
+        "T": Symbol("torque", "N m", "torque"),
+        "r": Symbol("wheel", "m", "radius"),
+    },
     source="Shigley, Mechanical Engineering Design, ch. 13; ISO 21771",
     quantities={"axial_N": Quantity("force along the shafts", "N"), "radial_N": Quantity("force between them", "N")},
     ablation=Ablation("helix", "straight teeth do not push along the shaft", {"helix_deg": 0.0}),
     against=Against("helix_deg", 0.0, 45.0, "helix angle [deg]"),
     show={"curves": [("reaction", "mesh")], "shown": ["reaction force"], "traces": []},
+    sliders=(
+        Control("helix_deg", 0.0, 45.0, "deg", "helix"),
+        Control("pressure_deg", 10.0, 30.0, "deg", "pressure angle"),
+    ),
+    attempt="cut the teeth straight: the push along the shaft goes.",
 )

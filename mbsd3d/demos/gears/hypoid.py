@@ -4,7 +4,8 @@ import numpy as np
 
 from mbsd3d import GROUND, Body, GearMesh, Revolute, SpeedDriver, System, Torque, shapes, simulate
 
-from ..form import Ablation, Against, Demo, Measured, Quantity, require
+from ..form import Ablation, Against, Beat, Control, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 
 PITCH_POINT = np.array([0.0, 0.0, 0.0])  # [m] the origin
 PINION_TEETH = 10  # [1] of the pinion, as drawn
@@ -111,6 +112,10 @@ demo = Demo(
     __name__,
     title="Hypoid gears: shafts that pass each other",
     question="Why does the drive shaft of a car meet its rear axle below the middle?",
+    beats=(
+        Beat(0.0, "The shafts pass each other, 37 mm apart."),
+        Beat(share(0.5), "So the teeth slide along each other, and push the pinion with 3600 N."),
+    ),
     why="Bevel gears need shafts that meet. Give the two gears different spiral angles, and the pinion moves out of "
     "the plane of the wheel: each has a pitch cone of its own, and the cones touch in one point. The ratio is then no "
     "longer that of the radii: the pinion grows by the ratio of the cosines of the spiral angles, so it is stronger "
@@ -118,6 +123,17 @@ demo = Demo(
     "special oil endures.",
     equation="ratio = r_2 cos b_2 / (r_1 cos b_1); F_1 = T (tan p sin d_1 + sin b_1 cos d_1) / (r_1 cos b_1); "
     "offset = (r_1 cos d_2 + r_2 cos d_1) sin(b_1 - b_2)",
+    symbols={
+        "F_1": Symbol("thrust on the pinion", "N", curve=(0, 0), arrow="reaction force"),
+        "T": Symbol("torque", "N m", "torque"),
+        "r_1": Symbol("pinion", "m"),
+        "r_2": Symbol("wheel", "m", "wheel_radius"),
+        "b_1": Symbol("spiral of the pinion", "deg", "spiral_deg"),
+        "b_2": Symbol("spiral of the wheel", "deg", lambda spiral_deg, offset_angle_deg: spiral_deg - offset_angle_deg),
+        "d_1": Symbol("cone of the pinion", "rad"),
+        "d_2": Symbol("cone of the wheel", "rad"),
+        "p": Symbol("slant of the flanks", "deg", "pressure_deg"),
+    },
     source="thrusts: those of a bevel gear (Shigley, Mechanical Engineering Design), as the tooth normal has the same "
     "parts in the frame of each pitch cone; cones and offset: Litvin, Fuentes, Gear Geometry and Applied Theory, and "
     "the geometry of two cones on one plane",
@@ -135,4 +151,6 @@ demo = Demo(
     ),
     against=Against("offset_angle_deg", 0.0, 40.0, "angle between the elements of the cones [deg]"),
     show={"curves": [("reaction", "mesh")], "shown": ["reaction force"], "traces": []},
+    sliders=(Control("offset_angle_deg", 5.0, 40.0, "deg", "offset of the pinion"),),
+    attempt="lower the pinion: it pushes harder along its shaft, and the teeth slide more.",
 )

@@ -17,7 +17,8 @@ from mbsd3d import (
     simulate,
 )
 
-from ..form import Ablation, Against, Demo, Measured, Quantity, require
+from ..form import Ablation, Against, Beat, Control, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 
 
 def mechanism(*, tilt_deg=10.0, fixed_cone_deg=82.0, L=0.1, omega=100.0) -> System:
@@ -66,14 +67,28 @@ demo = Demo(
     __name__,
     title="The nutating gear",
     question="How can two nearly equal wheels, one of them only wobbling, gear down a hundred to one?",
+    beats=(
+        Beat(0.0, "The plate only wobbles."),
+        Beat(share(0.5), "Five wobbles ..."),
+        Beat(share(1.0), "... ten, and the output has turned by 33 degrees."),
+    ),
     why="A tilted plate does not spin, it wobbles: its lowest point runs round and rolls on a fixed wheel. After one "
     "round it has turned only by the difference of the two rims, which are nearly of the same length, and a "
     "joint hands on this small turn. A small tilt makes a slow output: a large ratio from two wheels.",
     equation="output = w (1 - sin d / sin(d + tilt)); d: half angle of the fixed cone",
+    symbols={
+        "w": Symbol("turn of the input", "rad/s", "omega"),
+        "d": Symbol("half angle of the fixed cone", "deg", "fixed_cone_deg"),
+    },
     source="rolling cones: Goldstein, Classical Mechanics, 5.6; Litvin, Fuentes, Gear Geometry and Applied Theory",
     quantities={"output_rate_rad_s": Quantity("rate of the output", "rad/s")},
     ablation=Ablation("tilt", "a plate that hardly wobbles hardly turns", {"tilt_deg": 1.0}),
     against=Against("tilt_deg", 1.0, 15.0, "tilt of the plate [deg]"),
     show={"curves": [("omega", "output")], "traces": [], "speed": 0.05},
     ranges={"fixed_cone_deg": (75.0, 84.0)},
+    sliders=(
+        Control("tilt_deg", 2.0, 18.0, "deg", "wobble"),
+        Control("fixed_cone_deg", 76.0, 84.0, "deg", "fixed cone"),
+    ),
+    attempt="wobble it more: the output goes faster, up to 10 degrees, and then slower again.",
 )

@@ -4,7 +4,8 @@ import numpy as np
 
 from mbsd3d import System
 
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 from .closed_loop import Loop, run_loop
 
 
@@ -60,11 +61,24 @@ demo = Demo(
     __name__,
     title="Bennett's linkage",
     question="How can four hinges that are neither parallel nor meet move at all?",
+    beats=(
+        Beat(0.0, "Four hinges: none parallel to another, and none meets another."),
+        Beat(share(0.5), "It should be stuck, and it turns."),
+        Beat(share(1.0), "100 degrees at one hinge are 108 at the next."),
+    ),
     why="A loop of hinges needs seven to move in space; by counting, four are locked. Hinges that are all "
     "parallel (a plane four-bar) or all meet in a point (a spherical one) move because they repeat each other's "
     "conditions. Bennett found the only other case: opposite sides alike, lengths in proportion to the sines of "
     "their twists. One side a hair longer, and it is a rigid frame.",
     equation="a / sin(alpha) = b / sin(beta); tan(t_1/2) tan(t_2/2) = sin((alpha + beta)/2) / sin((beta - alpha)/2)",
+    symbols={
+        "a": Symbol("one side", "m", "a"),
+        "b": Symbol("the other one", "m"),
+        "alpha": Symbol("twist of one side", "deg", "alpha_deg"),
+        "beta": Symbol("twist of the other one", "deg", "beta_deg"),
+        "t_1": Symbol("turn of the first hinge", "rad", curve=(0, 0)),
+        "t_2": Symbol("turn of the next one", "rad", curve=(1, 0)),
+    },
     source="Bennett, Engineering 76 (1903) 777; Hunt, Kinematic Geometry of Mechanisms",
     quantities={
         "follower_turn_deg": Quantity("turn of the next hinge", "deg"),
@@ -76,6 +90,13 @@ demo = Demo(
         {"misfit": 0.01},
         values=lambda: {"follower_turn_deg": 0.0},
     ),  # fmt: skip
-    show={"curves": [("angle", "hinge 1"), ("angle", "hinge 2")], "traces": [], "hidden": ["ground grid"]},
+    show={
+        "curves": [("angle", "hinge 1"), ("angle", "hinge 2")],
+        "traces": [],
+        "hidden": ["ground grid"],
+        "speed": 0.3,
+    },
     ranges={"alpha_deg": (20.0, 40.0), "misfit": None},
+    sliders=(Control("alpha_deg", 20.0, 65.0, "deg", "twist of the short sides"),),
+    attempt="change the twist: the long sides follow it, and the ring still moves.",
 )

@@ -27,7 +27,7 @@ from ...mechanism.bodies import Ground
 Angles = Sequence[float] | np.ndarray  # [rad]
 Look = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, float], list[shapes.Shape]]
 T = 2.0  # s, of a turn of the driven hinge from rest to rest
-SAMPLES = 61
+SAMPLES = 121
 CLOSURE_TOLERANCE = 1e-9  # [1] share of the length, and [rad]
 
 
@@ -82,22 +82,28 @@ class Loop(NamedTuple):
         return np.array(found)
 
     def system(
-        self, theta: Angles, turn: float, misfit: float = 0.0, thick: float = 0.05, look: Look | None = None
-    ) -> System:
+        self, theta: Angles, turn: float, misfit: float = 0.0, thick: float = 0.05, look: Look | None = None,
+        carried: Sequence[shapes.Shape] = (),
+    ) -> System:  # fmt: skip
         """Build links and hinges, the first hinge driven by a turn in T seconds.
 
         ``misfit`` makes the third side (in a four-bar the second) longer by this share: its far hinge is moved.
         ``look`` draws a link by the points and axes of its hinges and a length; None = `link`. A body of its own, which
-        is no part of the loop, shows the side that is the ground.
+        is not part of the loop, shows the side that is the ground. ``carried`` is drawn on the middle link too, about
+        its middle, in world axes.
         """
         frames, size = self.frames(theta), thick * max(np.abs([*self.a, *self.d]))
         points = [frame[:3, 3] for frame in frames[:-1]]
         axes = [frame[:3, 2] for frame in frames[:-1]]
         moved = 2 if len(points) == 4 else 3
         points[moved] = points[moved] + misfit * (points[moved] - points[moved - 1])
-        bodies = [Body(f"link {k + 1}", 1.0, (0.01, 0.01, 0.01), position=0.5 * (points[k] + points[k + 1]),
-                       shape=(look or link)(points[k], points[k + 1], axes[k], axes[k + 1], size))
-                  for k in range(len(points) - 1)]  # fmt: skip
+        drawn = [(look or link)(points[k], points[k + 1], axes[k], axes[k + 1], size) for k in range(len(points) - 1)]
+        middle = len(drawn) // 2
+        drawn[middle] = [*drawn[middle], *carried]
+        bodies = [
+            Body(f"link {k + 1}", 1.0, (0.01, 0.01, 0.01), position=0.5 * (points[k] + points[k + 1]), shape=shape)
+            for k, shape in enumerate(drawn)
+        ]
         closing = (look or link)(points[-1], points[0], axes[-1], axes[0], size)
         frame = Body("frame", 1.0, (0.01, 0.01, 0.01), position=0.5 * (points[-1] + points[0]), shape=closing)
         chain: list[Body | Ground] = [GROUND, *bodies, GROUND]

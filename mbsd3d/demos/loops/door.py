@@ -7,8 +7,9 @@ from mbsd3d import GROUND, Body, PointOnLine, Revolute, Spherical, System, inert
 from mbsd3d.base.rotations import matrix
 from mbsd3d.base.style import GREY
 
+from ..base import YES_OR_NO
 from ..figure import Line
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import GRAVITY, Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
 
 G, SAMPLES = 9.81, 301
 
@@ -93,7 +94,7 @@ def measure(build, terms, *, m, width, thickness, lean_deg, start_deg, t=6.0) ->
         Curve("force of the top hinge on the door [N]", built.t, along, name="along the axis",
               title="what one hinge carries is not", more=[Line("outwards", outwards)]),
     ]  # fmt: skip
-    notes = [f"verdict: {found.verdict}", *(f"cure: {cure.text}" for cure in found.cures)]
+    notes = [f"assessment: {found.verdict}", *(f"remedy: {cure.text}" for cure in found.cures)]
     return Measured(values, [built, cured], curves, notes=notes)
 
 
@@ -101,11 +102,25 @@ demo = Demo(
     __name__,
     title="Two-hinge door: redundant, and still certain",
     question="Why does a door turn on two hinges although counting says it cannot?",
+    beats=(
+        Beat(0.0, "The arrows are the forces of the hinges."),
+        Beat(1.42, "Shut, and it swings on: the motion is certain."),
+        Beat(2.8, "So is the sum of both forces. Pale: how they share it nobody can know."),
+    ),
     why="In a plane a hinge takes two degrees of freedom of three and a second one locks the door. In space five of "
     "six go, and a second hinge on the same axis takes the same five again, so counting says 6 - 10 = -4 where the "
     "door turns. Its motion is certain, and so is the force of both hinges together. What each of them carries is not: "
     "it depends on how they were fitted. With a ball above and a point on a line below, each share is unique.",
     equation="6 - 10 = -4 by counting, 6 - rank = 1; sin(a/2) = k cd(p t, k^2); F = m (a - g)",
+    symbols={
+        "a": Symbol("in the second formula the opening; in the third the acceleration", "rad", curve=(0, 0)),
+        "F": Symbol("force of both hinges; here the upper one", "N", curve=(1, 0), arrow="reaction force"),
+        "m": Symbol("door", "kg", "m"),
+        "g": GRAVITY,
+        "k": Symbol("sine of half the greatest opening"),
+        "p": Symbol("rate of small swings", "rad/s"),
+        "t": Symbol("time", "s"),
+    },
     source="physical pendulum by elliptic functions; the net force by Newton's second law, m (a - g)",
     quantities={
         "rows": Quantity("rows of the joints"),
@@ -117,10 +132,15 @@ demo = Demo(
         **{f"net_force_{axis}_N": Quantity(f"both hinges together, force {axis} at t/3", "N", absolute=1e-8)
            for axis in "xyz"},
         "cured_top_along_N": Quantity("cured: top hinge, along the axis", "N", absolute=1e-8),
-        "net_unique": Quantity("the net force is unique (1: yes)"),
-        "share_unique": Quantity("the share of one hinge is unique (1: yes)"),
+        "net_unique": Quantity("the net force is unique", YES_OR_NO),
+        "share_unique": Quantity("the share of one hinge is unique", YES_OR_NO),
     },
     ablation=Ablation("redundancy", "counting is right, and every share is certain", {"fit": "cured"},
                       lambda: {"rows": 5, "rank": 5, "gruebler": 1, "mobility": 1, "net_unique": 1, "share_unique": 1}),
     show={"curves": [("angle", "top"), ("reaction", "top", "bottom")], "shown": ["reaction force"], "traces": []},
+    sliders=(
+        Control("lean_deg", 1.0, 20.0, "deg", "lean of the hinges"),
+        Control("start_deg", 20.0, 90.0, "deg", "opened by"),
+    ),
+    attempt="let it lean more: it swings faster, and the hinges bear more.",
 )  # fmt: skip

@@ -5,11 +5,12 @@ from scipy.optimize import root_scalar
 
 from mbsd3d import System, shapes
 
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 from .closed_loop import Loop, run_loop
 
 
-def mechanism(*, a=0.1, alpha_deg=90.0, theta0_deg=100.0, phi_guess_deg=77.9, turn_deg=15.0, misfit=0.0) -> System:
+def mechanism(*, a=0.1, alpha_deg=90.0, theta0_deg=-115.0, phi_guess_deg=43.0, turn_deg=215.0, misfit=0.0) -> System:
     """Build six equal sides with alternating twists alpha and 360 - alpha; misfit: one side longer by this share."""
     al, t = np.radians([alpha_deg, theta0_deg])
     f = other(np.array([t]), al, np.radians(phi_guess_deg))[0]
@@ -69,11 +70,20 @@ demo = Demo(
     __name__,
     title="The kaleidocycle",
     question="Why can a ring of six tetrahedra be turned inside out for ever?",
+    beats=(
+        Beat(0.0, "A ring of six tetrahedra, each hinged to the next."),
+        Beat(share(0.5), "It turns through its own middle ..."),
+        Beat(share(1.0), "... inside out."),
+    ),
     why="Six hinges in a ring just fail to give a degree of freedom: counting says none. But if each side is turned by "
     "a right angle against the next, three planes of symmetry make some of the conditions repeat others, and one "
     "degree of freedom is left. Bricard found such rings in 1897; folded of paper tetrahedra they turn through their "
     "own centre.",
     equation="right angles: cos t + cos f + cos t cos f = 0",
+    symbols={
+        "t": Symbol("turn of the driven hinges", "rad", curve=(0, 0)),
+        "f": Symbol("turn of those between", "rad", curve=(1, 0)),
+    },
     source="Chen, You, Tarnai, Int. J. Solids Struct. 42 (2005) 2287; Schattschneider, Walker, Kaleidocycles",
     quantities={"other_hinge_turn_deg": Quantity("turn of the hinges between", "deg")},
     ablation=Ablation(
@@ -82,6 +92,19 @@ demo = Demo(
         {"misfit": 0.01},
         values=lambda: {"other_hinge_turn_deg": 0.0},
     ),  # fmt: skip
-    show={"curves": [("angle", "hinge 1"), ("angle", "hinge 2")], "traces": [], "hidden": ["ground grid"]},
-    ranges={"alpha_deg": (85.0, 95.0), "theta0_deg": (98.0, 101.0), "phi_guess_deg": None, "misfit": None},
+    show={
+        "curves": [("angle", "hinge 1"), ("angle", "hinge 2")],
+        "traces": [],
+        "hidden": ["ground grid"],
+        "speed": 0.3,
+    },
+    ranges={
+        "alpha_deg": (89.0, 91.0),
+        "theta0_deg": (-115.0, -112.0),
+        "turn_deg": (180.0, 222.0),
+        "phi_guess_deg": None,
+        "misfit": None,
+    },
+    sliders=(Control("turn_deg", 30.0, 222.0, "deg", "turn of the first hinge"),),
+    attempt="turn it farther: it goes through its own middle.",
 )

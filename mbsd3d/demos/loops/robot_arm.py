@@ -5,7 +5,8 @@ import numpy as np
 from mbsd3d import GROUND, AngleDriver, Body, Kinematic, Polynomial, Revolute, System, accelerations, shapes, simulate
 
 from ...mechanism.bodies import Ground
-from ..form import Ablation, Curve, Demo, Measured, Quantity
+from ..form import Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol
+from ..moments import share
 
 G = 9.81  # m/s^2
 RIGHT_ANGLE = np.pi / 2
@@ -23,9 +24,10 @@ def mechanism(
     com=((0, -0.2, 0.05), (-0.2, 0, 0.03), (0.01, 0.02, 0.05), (0, -0.1, 0.01), (0.005, 0, 0.03), (0, 0, -0.04)),
     I=((0.2, 0.1, 0.2), (0.05, 0.3, 0.3), (0.04, 0.05, 0.03),
        (0.02, 0.01, 0.02), (0.004, 0.004, 0.003), (0.001, 0.001, 0.0008)),
+    pace=1.0,
 ) -> System:  # fmt: skip
     """Build links by Denavit-Hartenberg numbers; com [m] and I [kg m^2] in the frame at each link's end; q, qd, qdd of
-    the joints.
+    the joints, these run ``pace`` times as fast.
     """
     frame, bodies, joints = np.eye(4), [], []
     before: Body | Ground = GROUND
@@ -35,7 +37,8 @@ def mechanism(
         form = bar(R.T @ (frame[:3, 3] - here), R.T @ frame[:3, 2])
         link = Body(f"link {k + 1}", mass[k], I[k], com=com[k], position=here, orientation=R, shape=form)
         joint = Revolute(before, link, at=frame[:3, 3], axis=frame[:3, 2], name=f"joint {k + 1}")
-        joints += [joint, AngleDriver(joint, Polynomial((0, qd[k], qdd[k] / 2)), name=f"motor {k + 1}")]
+        motion = Polynomial((0, pace * qd[k], pace**2 * qdd[k] / 2))
+        joints += [joint, AngleDriver(joint, motion, name=f"motor {k + 1}")]
         bodies.append(link)
         frame, before = end, link
     return System(bodies, joints, gravity=(0, 0, -G))
@@ -80,18 +83,18 @@ def torques(a, d, alpha, q, qd, qdd, mass, com, I):
     return np.array(found[::-1])
 
 
-def theory(*, a, d, alpha, q, qd, qdd, mass, com, I):
+def theory(*, a, d, alpha, q, qd, qdd, mass, com, I, pace):
     """Return the torques of all motors [N m]."""
-    found = torques(a, d, alpha, q, qd, qdd, mass, com, I)
+    found = torques(a, d, alpha, q, pace * np.array(qd), pace**2 * np.array(qdd), mass, com, I)
     return {f"torque{k + 1}_Nm": found[k] for k in range(6)}
 
 
-def measure(build, terms, *, a, d, alpha, q, qd, qdd, mass, com, I) -> Measured:
+def measure(build, terms, *, a, d, alpha, q, qd, qdd, mass, com, I, pace) -> Measured:
     """Measure the torques of the drivers at the given state, and along a motion of half a second."""
     system = build()
     now = accelerations(system, **terms)
     run = simulate(system, 0.5, method=Kinematic(), output=101, **terms)
-    q, qd, qdd = np.array([q, qd, qdd])
+    q, qd, qdd = np.array([q, pace * np.array(qd), pace**2 * np.array(qdd)])
     along = (torques(a, d, alpha, q + qd * t + qdd * t**2 / 2, qd + qdd * t, qdd, mass, com, I) for t in run.t)
     known = np.array(list(along)).T
     curves = [
@@ -105,14 +108,29 @@ demo = Demo(
     __name__,
     title="The torques of a robot arm",
     question="What torque does every motor of a six-axis arm need?",
+    beats=(
+        Beat(0.0, "Motor 2 holds 63 N m: the weight of all that is outside it."),
+        Beat(share(1.0), "In full motion motor 3 needs less than half of what it held."),
+    ),
     why="Every motor carries all links beyond it: their weights, their accelerations, and the gyroscopic moments of "
     "links that turn about several axes at once. The recursion of Newton and Euler goes outwards for the motion "
     "and back inwards for the forces. Here it is done twice, by that recursion and by constraints of bodies with "
     "seven coordinates each; neither shares anything with the other.",
     equation="outwards: w, w', a; inwards: f = m a, n = I w' + w x I w; torque = n . z",
+    symbols={
+        "w": Symbol("turning of a link", "rad/s"),
+        "a": Symbol("acceleration of its centre of mass", "m/s^2"),
+        "m": Symbol("its mass", "kg"),
+        "I": Symbol("its moments", "kg m^2"),
+        "f": Symbol("force at its joint", "N"),
+        "n": Symbol("moment at its joint; about the axis that of motor 2", "N m", curve=(1, 0)),
+        "z": Symbol("axis of the joint"),
+    },
     source="Luh, Walker, Paul (1980); Featherstone, Rigid Body Dynamics Algorithms",
     quantities={f"torque{k}_Nm": Quantity(f"torque of motor {k}", "N m") for k in range(1, 7)},
     ablation=Ablation("motion", "at rest only weights are left", {"qd": [0.0] * 6, "qdd": [0.0] * 6}),
     show={"curves": [("effort", f"motor {k}") for k in range(1, 7)], "traces": [], "speed": 0.1},
-    ranges={"alpha": None, "com": None, "I": None},  # moments one by one at random are those of no body
+    ranges={"alpha": None, "com": None, "I": None},  # moments one by one at random are those of no body,
+    sliders=(Control("pace", 0.1, 2.0, "", "pace of the motion"),),
+    attempt="move it ten times slower: what is left are the weights. Twice as fast, and inertia rules.",
 )

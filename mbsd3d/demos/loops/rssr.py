@@ -6,7 +6,7 @@ from scipy.optimize import minimize_scalar
 
 from mbsd3d import GROUND, AngleDriver, Body, Distance, Kinematic, Ramp, Revolute, System, shapes, simulate
 
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
 
 TURN_SAMPLES = 1441  # [1] of one turn; cubics between them err by less than 1e-12
 
@@ -98,10 +98,21 @@ demo = Demo(
     __name__,
     title="A windscreen wiper between skew axes",
     question="How does a windscreen wiper hand a turn from one axis to a skew one?",
+    beats=(
+        Beat(0.0, "Round and round on one axis ..."),
+        Beat(0.85, "... the end of the sweep, on another ..."),
+        Beat(3.82, "... and the other end, 72 degrees away."),
+    ),
     why="A rod with a ball at each end asks for one thing only: that its length stays. So crank and rocker may turn "
     "about axes that are neither parallel nor meet, and still hand on one motion. Written down for the rocker's "
     "angle, the condition has two solutions: the two ways of putting it together.",
     equation="A cos f + B sin f = C; f = atan2(B, A) +- acos(C / |A, B|)",
+    symbols={
+        "f": Symbol("rocker", "rad", curve=(1, 0)),
+        "A": Symbol("of crank, rocker and distance", "m^2"),
+        "B": Symbol("the same across", "m^2"),
+        "C": Symbol("of the length of the rod", "m^2"),
+    },
     source="Hartenberg, Denavit, Kinematic Synthesis of Linkages, ch. 12; Hunt, Kinematic Geometry of Mechanisms",
     quantities={
         "turn_at_1rad_deg": Quantity("rocker after 1 rad of the crank", "deg"),
@@ -116,4 +127,9 @@ demo = Demo(
         "l": (0.49, 0.52),
         "Q": [(0.38, 0.41), (0.08, 0.12), (0.18, 0.22)],
     },
+    sliders=(
+        Control("a", 0.05, 0.13, "m", "crank"),
+        Control("l", 0.47, 0.53, "m", "rod"),
+    ),
+    attempt="take a longer crank: the wiper swings wider, and less evenly.",
 )

@@ -4,7 +4,8 @@ import numpy as np
 
 from mbsd3d import GROUND, AngleDriver, Body, Kinematic, Polynomial, Revolute, System, shapes, simulate
 
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 
 T = 1.0  # s, from half the angle to the angle
 
@@ -77,11 +78,20 @@ demo = Demo(
     __name__,
     title="Sarrus' straight line",
     question="How do hinges alone make an exact straight line, which no plane linkage does with so few?",
+    beats=(
+        Beat(0.0, "Nothing but hinges."),
+        Beat(share(0.5), "The table rises straight and level."),
+        Beat(share(1.0), "77 cm high, and not a hair aside."),
+    ),
     why="A knee lets a platform move in the plane of the leg and tilt about its hinges. A second knee in another "
     "plane allows other motions; all that both allow is going straight up and down, without tilting. Sarrus "
     "found this in 1853, eleven years before Peaucellier's famous plane linkage. Counting hinges gives no "
     "freedom: two of the conditions say the same.",
     equation="height = 2 l sin q; rate = 2 l q' cos q; mobility 1 where counting says 0 (two legs)",
+    symbols={
+        "q": Symbol("angle of the legs, from its start on", "rad", curve=(1, 0)),
+        "l": Symbol("half a leg", "m", "l"),
+    },
     source="Sarrus, C. R. Acad. Sci. 36 (1853) 1036; Hunt, Kinematic Geometry of Mechanisms",
     quantities={
         "height_m": Quantity("height of the platform", "m"),
@@ -96,4 +106,9 @@ demo = Demo(
     ),  # fmt: skip
     show={"curves": [("position", "platform"), ("angle", "foot 1")], "traces": []},
     ranges={"plane_deg": None, "x": (0.35, 0.5)},
+    sliders=(
+        Control("plane_deg", 40.0, 140.0, "deg", "angle of the planes"),
+        Control("rate", 0.2, 0.8, "rad/s", "rate of the foot"),
+    ),
+    attempt="turn one leg about the vertical: whatever the angle between the planes, the platform goes straight up.",
 )

@@ -2,11 +2,26 @@
 
 import numpy as np
 
-from mbsd3d import GROUND, Body, Distance, System, Torque, accelerations, rotation, shapes, simulate
+from mbsd3d import (
+    GROUND,
+    Body,
+    Distance,
+    Kinematic,
+    LengthDriver,
+    System,
+    Table,
+    Torque,
+    accelerations,
+    rotation,
+    shapes,
+    simulate,
+)
 
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 
 G = 9.81  # m/s^2
+YAW_SECONDS, YAW_SAMPLES = 3.0, 121  # [s] in which the platform yaws, and places by which its legs are driven
 
 
 def corners(Rb, Rp, half_base_deg, half_top_deg, h, yaw_deg):
@@ -31,6 +46,18 @@ def mechanism(*, Rb=1.0, Rp=0.6, half_base_deg=10.0, half_top_deg=15.0, h=0.9, y
     legs = [Distance(GROUND, plate, at_a=foot, at_b=head, name=f"leg {k + 1}")
             for k, (foot, head) in enumerate(zip(feet, heads, strict=True))]  # fmt: skip
     return System([plate], legs, [Torque(plate, (0, 0, torque), name="load")], gravity=(0, 0, -G))
+
+
+def yawing(build, Rb, Rp, half_base_deg, half_top_deg, h, yaw_deg):
+    """Return the simulator whose legs change their lengths so that it yaws from 0 to the angle, at the same height."""
+    t = np.linspace(0.0, YAW_SECONDS, YAW_SAMPLES)
+    yaws = yaw_deg * (10 - 15 * (t / YAW_SECONDS) + 6 * (t / YAW_SECONDS) ** 2) * (t / YAW_SECONDS) ** 3
+    places = [corners(Rb, Rp, half_base_deg, half_top_deg, h, yaw) for yaw in yaws]
+    lengths = np.array([np.linalg.norm(heads - feet, axis=1) for feet, heads in places]).T
+    held = build(yaw_deg=0.0)
+    legs = [LengthDriver(leg.a, leg.b, at_a=leg.at_a, at_b=leg.at_b, length=Table(t, length), name=leg.name)
+            for leg, length in zip(held.joints, lengths, strict=True)]  # fmt: skip
+    return System(held.bodies, legs, held.forces, gravity=(0, 0, -G))
 
 
 def thrusts(feet, heads, h, m, torque):
@@ -61,14 +88,15 @@ def pushes(run):
     return found
 
 
-def measure(build, terms) -> Measured:
-    """Measure the reactions of the legs at rest, and how they grow with the yaw."""
+def measure(build, terms, *, Rb, Rp, half_base_deg, half_top_deg, h, yaw_deg) -> Measured:
+    """Measure the reactions of the legs at rest, and how they grow with the yaw; the film yaws to it."""
     system = build()
     here = pushes(accelerations(system, **terms))
     yaws = np.linspace(0, 85, 18)
     over = [pushes(accelerations(build(yaw_deg=yaw), **terms))[0] for yaw in yaws]
     known = [theory(**{**build.values, "yaw_deg": yaw})["leg1_thrust_N"] for yaw in yaws]
-    run = simulate(system, 1.0, output=41, **terms)
+    moving = yawing(build, Rb, Rp, half_base_deg, half_top_deg, h, yaw_deg)
+    run = simulate(moving, YAW_SECONDS, method=Kinematic(), output=YAW_SAMPLES, **terms)
     curve = Curve(
         "push of leg 1 [N]", yaws, over, (yaws, known), "yaw [deg]", "no limit as the yaw comes to 90 degrees"
     )
@@ -79,18 +107,33 @@ demo = Demo(
     __name__,
     title="The limit of a flight simulator",
     question="Why may a flight simulator never yaw by 90 degrees?",
+    beats=(
+        Beat(0.0, "Six legs carry the cabin with little force."),
+        Beat(share(0.5), "It turns, and the legs lie down like threads of a screw."),
+        Beat(share(1.0), "80 degrees: leg 1 pulls with 2300 N. At 90 nothing would hold it."),
+    ),
     why="Six legs with ball ends hold six degrees of freedom, if their lines are independent. As the platform yaws, "
     "the legs lean more and more like the threads of a screw, and at 90 degrees all six lines belong to one family: a "
     "small twist changes none of their lengths. Shortly before, a small torque asks for huge forces, and at 90 degrees "
     "the platform is loose.",
     equation="J^T f = load; f without limit where det J = 0: 90 degrees",
+    symbols={
+        "f": Symbol("push of the legs; upwards that of leg 1", "N", curve=(0, 2), arrow="reaction force"),
+        "J": Symbol("rates of the legs over those of the cabin"),
+        "T": Symbol("means transposed"),
+    },
     source="Fichter, Int. J. Robotics Res. 5 (1986) 157; Ma, Angeles, Architecture singularities (1991)",
     quantities={
         "leg1_thrust_N": Quantity("push of leg 1", "N"),
         "leg2_thrust_N": Quantity("push of leg 2", "N"),
     },
-    alone="nothing moves in it",
+    alone="its legs follow tables of lengths",
     ablation=Ablation("yaw", "straight the legs share the weight", {"yaw_deg": 0.0}),
-    show={"curves": [("reaction", "leg 1"), ("reaction", "leg 2")], "shown": ["reaction force"], "traces": []},
+    show={
+        "curves": [("reaction", "leg 1"), ("reaction", "leg 2")],
+        "shown": ["reaction force"],
+        "traces": [],
+        "hidden": ["joint names"],
+    },
     ranges={"yaw_deg": (20.0, 80.0)},
 )

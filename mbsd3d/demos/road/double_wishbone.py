@@ -18,7 +18,8 @@ from mbsd3d import (
 )
 
 from ...base.errors import InputError
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 
 T = 1.0  # s, of the travel
 POINTS = {
@@ -148,14 +149,26 @@ demo = Demo(
     __name__,
     title="The wheel that steers on a bump",
     question="Why does a wheel steer by itself on a bump?",
+    beats=(
+        Beat(0.0, "Straight ahead, on level road."),
+        Beat(share(1.0), "Up on the bump it has turned and leaned, and nobody has steered."),
+    ),
     why="Three links guide the wheel, and each end of them moves on an arc of its own, in planes that are not "
     "parallel. As the wheel goes up and down, the tie rod's arc differs from those of the arms: it pushes the "
     "wheel's rear edge out or in, and the wheel steers. The arms' different lengths tip it as well. Designers "
     "place the rack's ends so that this bump steer vanishes, or helps.",
     equation="|U - L|, |T - L|, |T - U|, |T - K| stay; toe and camber from the axle",
+    symbols={
+        "U": Symbol("upper ball joint"),
+        "L": Symbol("lower ball joint"),
+        "T": Symbol("tie rod, outer end"),
+        "K": Symbol("tie rod, inner end"),
+    },
     source="Dixon, Suspension Geometry and Computation; Milliken, Milliken, Race Car Vehicle Dynamics, ch. 17",
     quantities={"toe_deg": Quantity("toe", "deg"), "camber_deg": Quantity("camber", "deg")},
     ablation=Ablation("travel", "on a flat road it neither steers nor leans", {"arm_deg": 0.0}),
     show={"curves": [("omega", "wheel"), ("angle", "lower axis")], "traces": []},
     ranges={"arm_deg": (-9.0, 9.0), "points": None},
+    sliders=(Control("arm_deg", -9.0, 20.0, "deg", "travel of the lower arm"),),
+    attempt="let the wheel rise farther: the toe grows faster than the travel.",
 )

@@ -17,7 +17,8 @@ from mbsd3d import (
     simulate,
 )
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Against, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 from ..quadrature import motion
 
 DRIVING_RATE, HALF_TRACK = 1.0, 0.9  # rad/s of driving to and fro; m between the wheels and the middle
@@ -125,12 +126,24 @@ demo = Demo(
     __name__,
     title="Parking by brackets",
     question="How does a car get sideways into a gap although its wheels do not slip sideways?",
+    beats=(
+        Beat(0.0, "Steered to one side and driven ahead, to the other and back."),
+        Beat(share(0.5), "Ahead, and turned."),
+        Beat(share(1.0), "Back where it was, and 19 cm beside."),
+    ),
     why="At every moment a car has two degrees of freedom only, driving and steering, and yet no pose is out of its "
     "reach: forbidden velocities are not forbidden places. Drive to and fro while the front wheels go to and fro once, "
     "and the car has turned; let them go twice, and it stands beside where it was. These are the Lie brackets of the "
     "two motions, and each adds a direction: two, three, four of the four coordinates (growth 2-3-4). Without the rows "
     "of the wheels, which no coordinate feels, counting finds four degrees of freedom; with them two.",
     equation="x' = v cos phi; y' = v sin phi; phi' = v tan delta / L",
+    symbols={
+        "y": Symbol("aside", "m", curve=(1, 1)),
+        "phi": Symbol("heading", "rad"),
+        "delta": Symbol("steer", "rad", curve=(0, 0)),
+        "v": Symbol("speed", "m/s"),
+        "L": Symbol("wheelbase", "m", "L"),
+    },
     source="Murray, Sastry, IEEE Trans. Automatic Control 38 (1993) 700; Laumond, Robot Motion Planning and Control",
     quantities={
         "sideways_m": Quantity("moved sideways in a period", "m"),
@@ -145,4 +158,10 @@ demo = Demo(
     show={"curves": [("angle", "kingpin"), ("position", "car")], "traces": [("car", (0, 0, 0)),
           ("front wheels", (2.6, 0, 0))], "follow": GROUND},
     ranges={"beats": None},
+    sliders=(
+        Control("steer_deg", 5.0, 60.0, "deg", "steering"),
+        Control("way", 0.5, 2.5, "m", "way of a stroke"),
+    ),
+    theory_moves=False,
+    attempt="make the strokes short: the car goes sideways by their square, so short strokes gain little.",
 )  # fmt: skip

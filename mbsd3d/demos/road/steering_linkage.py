@@ -5,7 +5,8 @@ from scipy.optimize import brentq
 
 from mbsd3d import GROUND, AngleDriver, Body, Distance, Kinematic, Polynomial, Revolute, System, shapes, simulate
 
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Control, Curve, Demo, Measured, Quantity, require
+from ..moments import share
 
 T = 1.0  # s, from straight on to the full angle
 
@@ -98,6 +99,10 @@ demo = Demo(
     __name__,
     title="Steering with leaning kingpins",
     question="Do both front wheels point at the same turning centre when the kingpins lean?",
+    beats=(
+        Beat(0.0, "Straight on."),
+        Beat(share(1.0), "25 and 22 degrees: they do not point at one centre."),
+    ),
     why="To roll without scrubbing both front axles must meet on the line of the rear axle: the inner wheel has to "
     "turn more. Arms that point inwards to the rear do this roughly. But kingpins lean, inwards so that the "
     "steering comes back, and backwards so that the car runs straight; then the wheel's angle on the ground is "
@@ -112,4 +117,9 @@ demo = Demo(
         "lean", "with upright kingpins it is the plane trapezoid", {"kingpin_deg": 0.0, "caster_deg": 0.0}
     ),
     show={"curves": [("angle", "left kingpin"), ("angle", "right kingpin")], "traces": []},
+    sliders=(
+        Control("arm_in_deg", 0.0, 25.0, "deg", "arms turned in"),
+        Control("left_deg", 5.0, 35.0, "deg", "left wheel"),
+    ),
+    attempt="turn the arms in: at some angle the error of the steering crosses zero.",
 )

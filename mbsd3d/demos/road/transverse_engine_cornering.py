@@ -16,7 +16,8 @@ from mbsd3d import (
     simulate,
 )
 
-from ..form import Ablation, Against, Demo, Measured, Quantity, require
+from ..form import Ablation, Against, Beat, Control, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 
 G = 9.81  # m/s^2
 
@@ -88,11 +89,23 @@ demo = Demo(
     __name__,
     title="The engine in the corner",
     question="Does a transverse engine load the springs in a fast corner, and in which direction?",
+    beats=(
+        Beat(0.0, "In a fast corner the right springs carry 18 140 N more than the left."),
+        Beat(share(0.5), "Of these the engine makes 140."),
+    ),
     why="The crankshaft's angular momentum is carried round with the car, which takes a moment at right angles to "
     "it. An engine built across the car rolls it (it does not pitch it, as some books say): right and left loads "
     "change. One built along the car pitches it. But the share is small: of 18 140 N between right and left the "
     "engine makes 140 N, less than one per cent.",
     equation="right - left = 2 (m v^2 h / R + J W v / R) / track",
+    symbols={
+        "m": Symbol("car", "kg", "m"),
+        "v": Symbol("speed", "m/s", "v"),
+        "h": Symbol("height of the centre of mass", "m", "h"),
+        "R": Symbol("curve", "m", "R"),
+        "J": Symbol("moment of the crankshaft", "kg m^2", "J"),
+        "W": Symbol("spin of the engine", "rad/s", "Omega"),
+    },
     source="d(J W)/dt = w x H; Milliken, Milliken, Race Car Vehicle Dynamics (gyroscopic couples)",
     quantities={
         "right_minus_left_N": Quantity("right less left load", "N"),
@@ -111,4 +124,10 @@ demo = Demo(
         "hidden": ["joints", "joint names"],
         "follow": "car",
     },
+    sliders=(
+        Control("Omega", -900.0, 900.0, "rad/s", "engine"),
+        Control("v", 10.0, 40.0, "m/s", "speed"),
+        Control("J", 0.05, 1.0, "kg m^2", "crankshaft"),
+    ),
+    attempt="let the engine run backwards: the change of the loads turns round.",
 )

@@ -6,7 +6,8 @@ from mbsd3d import GROUND, Body, Prismatic, Revolute, SpeedDriver, System, Tyre,
 
 from ...results.element_loads import TyreLoad
 from ..figure import Line
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Against, Beat, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 
 STEER_ANGLES = (0.5, 1, 1.5, 2, 3, 4, 5, 6, 8, 10, 12, 15)  # [deg] of the wheels that roll freely
 SLIPS = (
@@ -113,11 +114,23 @@ demo = Demo(
     __name__,
     title="Slip of tyres",
     question="Why does a wheel lose its grip sideways when it is driven or braked hard?",
+    beats=(
+        Beat(0.0, "The same slip angle, and each wheel driven harder than the one before."),
+        Beat(share(0.5), "What is spent on driving is lost sideways."),
+    ),
     why="Bristles of the tread stick to the road where they come in and are bent by the slip, until they slide at the "
     "rear of the patch. The more slip, the more of the patch slides, and the force bends off to what friction gives. "
     "Friction knows no directions of its own: what is spent on driving is missing sideways, and the force stays in a "
     "circle. The moment that turns the wheel back fades first, which a driver feels.",
     equation="F = mu N (1 - (1 - s/3)^3),  s = |(C_x slip, C_y tan(angle))| / mu,  s <= 3",
+    symbols={
+        "F": Symbol("force of the tyre; sideways, rolling freely", "N", curve=(0, 1)),
+        "N": Symbol("load", "N", "load"),
+        "mu": Symbol("friction", "", "mu"),
+        "s": Symbol("slip"),
+        "C_x": Symbol("stiffness ahead, over the load", "", "longitudinal"),
+        "C_y": Symbol("stiffness sideways, over the load", "", "cornering"),
+    },
     source="Pacejka, Tire and Vehicle Dynamics (2012), section 3.2",
     quantities={
         "side_force_N": Quantity("side force when it rolls freely", "N", relative=1e-7),

@@ -5,7 +5,8 @@ from scipy.optimize import brentq, minimize_scalar
 
 from mbsd3d import GROUND, Body, Contact, System, measures, shapes, simulate
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+from ..form import GRAVITY, Ablation, Against, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import first
 
 G = 9.81  # m/s^2
 
@@ -75,10 +76,25 @@ demo = Demo(
     __name__,
     title="A wheel is dropped",
     question="Why does a dropped wheel leave the road before its tyre is round again?",
+    beats=(
+        Beat(0.0, "Dropped from 10 cm."),
+        Beat(first(lambda run: run.position('wheel')[:, 2] < 0.3), "It touches the road."),
+        Beat(first(lambda run: np.gradient(run.position('wheel')[:, 2]) > 0), "Flat as it will be."),
+        Beat(first(lambda run: (run.t > 0.15) & (run.position('wheel')[:, 2] > 0.3)),
+             "Gone, before it was round again: it flies up less high."),
+    ),
     why="Spring and damper of a tyre act side by side. On the way up the damper pulls down, and where it pulls as hard "
     "as the spring still presses nothing is left: the road cannot hold the wheel, which goes with its tyre still "
     "pressed. What it keeps of its speed follows from one damped half wave. Without damping it keeps all of it.",
     equation="m z'' = m g - k z - c z'; N = k z + c z' >= 0",
+    symbols={
+        "z": Symbol("how deep the tyre is pressed in", "m"),
+        "N": Symbol("force of the road", "N"),
+        "m": Symbol("wheel", "kg", "m"),
+        "k": Symbol("stiffness of the tyre", "N/m", "k"),
+        "c": Symbol("damping of the tyre", "N s/m", "c"),
+        "g": GRAVITY,
+    },
     source="Goldsmith, Impact (1960), chapter 4; worked out here",
     quantities={
         "restitution": Quantity("speed it keeps, as a share", "-", relative=1e-8),
@@ -89,4 +105,9 @@ demo = Demo(
     ablation=Ablation("damping", "it leaves as fast as it came, with a round tyre", {"c": 0.0}),
     against=Against("c", 0.0, 1500.0, "damping of the tyre [N s/m]"),
     show={"speed": 0.25, "curves": [("position", "wheel"), "energy"]},
+    sliders=(
+        Control("c", 0.0, 500.0, "N s/m", "damping"),
+        Control("h", 0.05, 0.3, "m", "height"),
+    ),
+    attempt="take the damping away: it comes back to where it was let go.",
 )  # fmt: skip

@@ -21,7 +21,8 @@ from mbsd3d import (
 from ...api.viewable import AnimateOptions
 from ..base import Show
 from ..figure import Bars, Line
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 from .shaft_pair import forked
 
 ORDERS = np.array([2, 4, 6])
@@ -118,11 +119,22 @@ demo = Demo(
     __name__,
     title="Cardan joint: an uneven ratio between shafts at an angle",
     question="Why does a shaft behind a Cardan joint run unevenly, and what takes it back?",
+    beats=(
+        Beat(0.0, "The driven shaft runs ahead, at 11.5 rad/s instead of 10 ..."),
+        Beat(share(0.25), "... and waits, at 8.7, twice a turn."),
+        Beat(share(0.5), "Ahead again."),
+    ),
     why="In a plane all shafts are parallel and a coupling hands every angle on unchanged. Two shafts that meet at an "
     "angle need space, and the cross between them makes the output faster and slower twice a turn, as its pins lie now "
     "across the bend, now in it. An output with inertia then needs a torque that swings, even at a steady input. A "
     "second joint with aligned yokes at the same angle takes the unevenness back.",
     equation="n = cos b / (1 - sin^2 b cos^2 a); amplitude 2k: 2 tan^(2k)(b/2)",
+    symbols={
+        "n": Symbol("output over input; the output", "rad/s", curve=(0, 0)),
+        "a": Symbol("angle of the driving shaft", "rad"),
+        "b": Symbol("bend", "deg", "bend_deg"),
+        "k": Symbol("1, 2, 3 ..."),
+    },
     source="spherical trigonometry of the cross, tan(out) = cos(bend) tan(in); the Fourier series of the rate is the "
     "Poisson kernel with q = tan^2(bend/2)",
     quantities={
@@ -135,4 +147,7 @@ demo = Demo(
     ablation=Ablation("bend", "shafts in line turn as one", {"bend_deg": 0.0}),
     show={"curves": [("omega_body", "driven"), ("effort", "motor")], "traces": []},
     ranges={"joints": None},
+    sliders=(Control("bend_deg", 0.0, 50.0, "deg", "bend"), Control("rate", 5.0, 20.0, "rad/s", "speed of the input")),
+    attempt="straighten the shafts: the output turns evenly. Bend them by 45 degrees: it turns twice as fast in some "
+    "places as in others.",
 )  # fmt: skip

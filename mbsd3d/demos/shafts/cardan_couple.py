@@ -4,7 +4,8 @@ import numpy as np
 
 from mbsd3d import System, Universal
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Against, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 from .shaft_pair import one_turn, shaft_pair
 
 
@@ -53,10 +54,19 @@ demo = Demo(
     __name__,
     title="The couple of a Cardan joint",
     question="Why does a Cardan shaft shake its bearings twice a turn although nothing is out of balance?",
+    beats=(
+        Beat(0.0, "No couple on the bearing."),
+        Beat(share(0.25), "171 N m, though nothing is out of balance."),
+        Beat(share(0.5), "None again: it beats twice a turn."),
+    ),
     why="A cross passes on a moment only at right angles to its two pins. As it turns, this direction swings between "
     "the two shafts, and whatever is not along a shaft bends it. So a loaded Cardan joint bends each shaft twice "
     "a turn between nothing and T sin b or T tan b. The bearings feel it, however well the shafts are balanced.",
     equation="couple on the driving shaft <= T sin b; couple on the driven shaft <= T tan b",
+    symbols={
+        "T": Symbol("torque", "N m", "torque", arrow="reaction moment"),
+        "b": Symbol("bend", "deg", "bend_deg"),
+    },
     source="Seherr-Thoss, Schmelz, Aucktor, Universal Joints and Driveshafts (secondary couples); SAE AE-7",
     quantities={
         "couple_on_driving_shaft_Nm": Quantity("greatest couple on the driving shaft", "N m"),
@@ -66,4 +76,9 @@ demo = Demo(
     ablation=Ablation("bend", "shafts in line feel no couple", {"bend_deg": 0.0}),
     against=Against("bend_deg", 0.0, 45.0, "bend [deg]"),
     show={"curves": [("reaction", "bearing")], "shown": ["reaction moment"], "traces": []},
+    sliders=(
+        Control("bend_deg", 0.0, 45.0, "deg", "bend"),
+        Control("torque", 100.0, 1000.0, "N m"),
+    ),
+    attempt="straighten the joint: the couple goes. At 45 degrees it is 0.7 of the torque.",
 )

@@ -4,7 +4,8 @@ import numpy as np
 
 from mbsd3d import GROUND, Body, Cylindrical, Revolute, SpeedDriver, System, Universal, rotation, shapes, simulate
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Against, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 from .cardan import ratio
 
 INPUT_RATE, TURN_SAMPLES = 10.0, 361  # rad/s; of one turn, the extremes are at its quarters
@@ -56,10 +57,18 @@ demo = Demo(
     __name__,
     title="A Cardan shaft put together wrong",
     question="What if the mechanic fits the second Cardan joint a quarter turn out?",
+    beats=(
+        Beat(0.0, "Put together wrong, both joints hurry together ..."),
+        Beat(share(0.25), "... and wait together."),
+        Beat(share(0.5), "Fitted right, one would take back what the other does."),
+    ),
     why="A cross between shafts at an angle speeds up and slows down twice a turn. A second one at the same angle "
     "can take that back exactly, but only if its yoke on the middle shaft lies as that of the first. Turned by a "
     "quarter, it is fast when the first is fast, and the unevenness is squared instead of cancelled.",
     equation="greatest ratio = 1 / cos^2 b, least = cos^2 b; unevenness = 1 / cos^4 b, instead of 1",
+    symbols={
+        "b": Symbol("bend of each joint", "deg", "bend_deg"),
+    },
     source="Seherr-Thoss, Schmelz, Aucktor, Universal Joints and Driveshafts; SAE AE-7",
     quantities={
         "greatest_ratio": Quantity("greatest output over input rate"),
@@ -69,4 +78,6 @@ demo = Demo(
     against=Against("bend_deg", 0.0, 45.0, "bend [deg]"),
     show={"curves": [("omega_body", "driven")], "traces": []},
     ranges={"phase_deg": None},
+    sliders=(Control("bend_deg", 0.0, 50.0, "deg", "bend"),),
+    attempt="bend the shafts more, and switch on the ghost, whose yokes are in phase.",
 )

@@ -21,7 +21,8 @@ from mbsd3d import (
 )  # fmt: skip
 
 from ..figure import Bars
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 
 ORDERS, TURN_SAMPLES = (1, 2, 4, 6), 256  # of the crank's speed; of one turn
 
@@ -130,11 +131,30 @@ demo = Demo(
     __name__,
     title="Crank with an offset centre of mass: what shakes the block",
     question="Why does a single cylinder shake and rock its block, and which term does a plane model forget?",
+    beats=(
+        Beat(0.0, "Top: the piston pulls the block up."),
+        Beat(share(0.5), "Bottom: less than half of that, for a rod of finite length."),
+        Beat(share(1.0), "Once a turn, and twice, and four times."),
+    ),
     why="Crank, rod and piston are thrown to and fro, and the block takes the reaction once, twice, four times a turn. "
     "A cylinder beside its bearing also rocks the block about an axis that lies in the plane of the mechanism, where a "
     "plane model has no moment. And the crank's centre of mass off its axis needs the term m w x (w x s): without it "
     "a tenth of the force along the bore is missing.",
     equation="F_1 = w^2 (m_c r_c + m_r R + m_p R); M = ahead F; F_2k from sqrt(1 - (R/L)^2 sin^2 q)",
+    symbols={
+        "w": Symbol("turn of the crank", "rad/s", lambda rpm: rpm * float(np.pi) / 30),
+        "R": Symbol("throw", "m", "R"),
+        "L": Symbol("rod", "m", "L"),
+        "r_c": Symbol("centre of mass of the crank, off its axis", "m", "rc"),
+        "m_c": Symbol("crank", "kg", "mc"),
+        "m_r": Symbol("rod", "kg", "mr"),
+        "m_p": Symbol("piston", "kg", "mp"),
+        "F": Symbol("force on the block; at the bearing", "N", curve=(1, 0), arrow="reaction force"),
+        "F_1": Symbol("its part once a turn", "N"),
+        "F_2k": Symbol("its parts 2, 4, 6 times a turn", "N"),
+        "M": Symbol("rocking moment", "N m"),
+        "q": Symbol("angle of the crank", "rad"),
+    },
     source="slider-crank by Newton's second law: the block takes the mass times acceleration of crank, rod and piston; "
     "Fourier series of sqrt(1 - (R/L)^2 sin^2 q)",
     quantities={
@@ -145,4 +165,10 @@ demo = Demo(
     },
     ablation=Ablation("centripetal", "the share of the crank is missing", values=without_centripetal),
     show={"curves": [("slide", "bore"), ("reaction", "bearing", "bore")], "shown": ["reaction force"]},
+    sliders=(
+        Control("rc", -0.5, 1.0, "", "centre of the rod"),
+        Control("L", 1.5, 4.0, "m", "rod"),
+        Control("mp", 1.0, 10.0, "kg", "piston"),
+    ),
+    attempt="take a long rod: the force twice a turn fades, and that once a turn stays.",
 )  # fmt: skip

@@ -4,7 +4,8 @@ import numpy as np
 
 from mbsd3d import ConstantVelocity, System
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Against, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 from . import cardan_couple
 from .shaft_pair import one_turn, shaft_pair
 
@@ -62,11 +63,19 @@ demo = Demo(
     __name__,
     title="The constant-velocity joint",
     question="What does a constant-velocity joint do better than a cross, and what can it not avoid?",
+    beats=(
+        Beat(0.0, "It runs even ..."),
+        Beat(share(0.5), "... but a couple of 88 N m stands on its bearing, and does not beat."),
+    ),
     why="Balls in the plane that bisects the angle pass the turn on evenly, which no cross does. But the moment "
     "along one shaft is not the moment along the other: their difference points across, and some bearing must "
     "supply it. No joint can avoid that; here it stands still, T tan(b/2) on each shaft, instead of beating "
     "twice a turn.",
     equation="ratio = 1; couple = T tan(b/2) on both shafts, constant",
+    symbols={
+        "T": Symbol("torque", "N m", "torque", arrow="reaction moment"),
+        "b": Symbol("bend", "deg", "bend_deg"),
+    },
     source="Seherr-Thoss, Schmelz, Aucktor, Universal Joints and Driveshafts; Hunt, J. Appl. Mech. 40 (1973)",
     quantities={
         "couple_on_driving_shaft_Nm": Quantity("couple on the driving shaft", "N m"),
@@ -78,4 +87,9 @@ demo = Demo(
     against=Against("bend_deg", 0.0, 60.0, "bend [deg]"),
     show={"curves": [("reaction", "bearing")], "shown": ["reaction moment"], "traces": []},
     may_vanish=("bend_deg",),
+    sliders=(
+        Control("bend_deg", 0.0, 60.0, "deg", "bend"),
+        Control("torque", 100.0, 1000.0, "N m"),
+    ),
+    attempt="bend it more: it still runs even, and still needs a couple.",
 )

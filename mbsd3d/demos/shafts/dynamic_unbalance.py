@@ -4,7 +4,8 @@ import numpy as np
 
 from mbsd3d import GROUND, Body, PointOnLine, SpeedDriver, Spherical, System, rotation, shapes, simulate
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
+from ..form import Ablation, Against, Beat, Control, Curve, Demo, Measured, Quantity, Symbol
+from ..moments import share
 
 
 def mechanism(*, A=0.3, C=0.5, omega=300.0, tilt_deg=1.0, span=0.5) -> System:
@@ -43,11 +44,23 @@ demo = Demo(
     __name__,
     title="Balanced, and still shaking",
     question="Why does a statically balanced wheel still shake its bearings?",
+    beats=(
+        Beat(0.0, "The disc sits aslant: L does not lie along the shaft."),
+        Beat(share(0.125), "To carry L round, both bearings must push."),
+        Beat(share(0.25), "Half a turn, and they push the other way."),
+    ),
     why="A disc mounted aslant has its centre of mass on the axis: at rest it lies in any position. But its angular "
     "momentum does not lie along the shaft. As the wheel turns, this arrow is carried round a cone, and carrying "
     "it round takes a moment, which the two bearings supply by forces that turn with the wheel. That is why a "
     "tyre is balanced on both sides of the rim.",
     equation="F = |C - A| w^2 sin a cos a / span",
+    symbols={
+        "F": Symbol("force of a bearing", "N", curve=(0, 0), arrow="reaction force"),
+        "C": Symbol("moment of the disc along its axis", "kg m^2", "C"),
+        "A": Symbol("moment across it", "kg m^2", "A"),
+        "w": Symbol("turn", "rad/s", "omega"),
+        "a": Symbol("how much it sits aslant", "deg", "tilt_deg"),
+    },
     source="Den Hartog, Mechanical Vibrations, ch. 6; ISO 21940",
     quantities={"bearing_force_N": Quantity("force of a bearing", "N")},
     ablation=Ablation(
@@ -62,5 +75,10 @@ demo = Demo(
         "traces": [],
         "speed": 0.01,
     },  # fmt: skip
-    ranges={"A": (0.28, 0.34), "C": (0.43, 0.55)},  # C < 2 A, as of any body
+    ranges={"A": (0.28, 0.34), "C": (0.43, 0.55)},  # C < 2 A, as of any body,
+    sliders=(
+        Control("tilt_deg", 0.1, 3.0, "deg", "tilt of the disc"),
+        Control("omega", 100.0, 600.0, "rad/s", "speed"),
+    ),
+    attempt="turn it twice as fast: the bearings carry four times as much.",
 )

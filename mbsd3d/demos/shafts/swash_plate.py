@@ -6,6 +6,7 @@ from mbsd3d import (
     GROUND,
     AngleDriver,
     Body,
+    Fixed,
     Kinematic,
     PointOnPlane,
     Prismatic,
@@ -16,7 +17,8 @@ from mbsd3d import (
     simulate,
 )
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Against, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 
 TURN_SAMPLES = 145  # [1] of one turn; the eighths of a turn, where the torque is greatest, are among them
 
@@ -37,7 +39,9 @@ def mechanism(*, tilt_deg=18.0, R=0.05, m=0.2, omega=200.0, pistons=9) -> System
         bodies.append(Body(f"piston {k + 1}", m, (1e-4,) * 3, position=place, shape=form))
         bore = Prismatic(drum, bodies[-1], at=place, axis=(0, 0, 1), name=f"bore {k + 1}")
         joints += [bore, PointOnPlane(GROUND, bodies[-1], at=place, normal=normal, name=f"shoe {k + 1}")]
-    return System(bodies, joints, gravity=(0, 0, 0))
+    slanted = shapes.Disc(1.5 * R, 0.2 * R, normal, at=-0.35 * R * np.array(normal), colour="silver")
+    plate = Body("plate", 1.0, (1, 1, 1), shape=slanted)
+    return System([*bodies, plate], [*joints, Fixed(GROUND, plate, at=(0, 0, 0), name="base")], gravity=(0, 0, 0))
 
 
 def theory(*, tilt_deg, R, m, omega):
@@ -73,11 +77,23 @@ demo = Demo(
     __name__,
     title="The swash plate",
     question="How does a slanted disc turn a shaft into the stroke of a pump?",
+    beats=(
+        Beat(0.0, "A slanted disc turns."),
+        Beat(share(0.5), "The first piston is 32 mm in: its whole stroke."),
+        Beat(share(1.0), "Out again, by a pure sine."),
+    ),
     why="Pistons go round with a drum, and their shoes follow a plane that stands slanted: once a turn each of them "
     "is pushed in and out by a pure sine. Changing the slant changes the stroke while the pump runs. One piston "
     "alone needs a torque that swings twice a turn to be hurried to and fro; three or more in a ring cancel it "
     "exactly.",
     equation="stroke = 2 R tan a; torque of one piston = m (R tan a)^2 w^2 sin(2 w t) / 2",
+    symbols={
+        "R": Symbol("pistons, from the shaft", "m", "R"),
+        "a": Symbol("slant", "deg", "tilt_deg"),
+        "m": Symbol("piston", "kg", "m"),
+        "w": Symbol("turn", "rad/s", "omega"),
+        "t": Symbol("time", "s"),
+    },
     source="Ivantysyn, Ivantysynova, Hydrostatic Pumps and Motors",
     quantities={
         "stroke_m": Quantity("stroke", "m"),
@@ -86,4 +102,6 @@ demo = Demo(
     ablation=Ablation("tilt", "on an upright plate nothing moves", {"tilt_deg": 0.0}),
     against=Against("tilt_deg", 0.0, 30.0, "tilt [deg]"),
     show={"curves": [("effort", "motor")], "traces": []},
+    sliders=(Control("tilt_deg", 0.0, 30.0, "deg", "tilt of the disc"),),
+    attempt="set the disc upright: the shaft turns and nothing is pumped.",
 )

@@ -4,7 +4,8 @@ import numpy as np
 
 from mbsd3d import GROUND, AngleDriver, Body, Distance, Kinematic, Prismatic, Ramp, Revolute, System, shapes, simulate
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Against, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 
 THROW_ANGLES = {"cross": (0, 90, 270, 180), "flat": (0, 180, 180, 0)}  # [deg] of the four throws
 TURN_SAMPLES = 97  # [1] of one turn
@@ -75,12 +76,23 @@ demo = Demo(
     __name__,
     title="The wobble of a V8",
     question="Why do cross-plane V8s wobble without shaking, and flat-plane ones do not wobble?",
+    beats=(
+        Beat(0.0, "The couple on the block points sideways ..."),
+        Beat(share(0.25), "... and goes round with the crank ..."),
+        Beat(share(0.5), "... always about as large: the block wobbles like a hula hoop."),
+    ),
     why="Two pistons in a right-angled V push like a single mass that goes round with their throw. Four throws in a "
     "cross have their resultant in the middle, so nothing shakes; but they stand at different places along the "
     "shaft, and their moments leave a couple that turns with the crank at constant size. Weights on the crank "
     "can cancel it. The flat crank is its own mirror image and has none; it shakes sideways twice a turn "
     "instead.",
     equation="cross plane: sqrt(10) m r s w^2; flat plane: 0",
+    symbols={
+        "m": Symbol("piston", "kg", "m"),
+        "r": Symbol("throw", "m", "r"),
+        "s": Symbol("distance of two throws", "m", "spacing"),
+        "w": Symbol("turn", "rad/s", "omega"),
+    },
     source="Taylor, The Internal Combustion Engine II, ch. 8; Den Hartog, Mechanical Vibrations, ch. 5",
     quantities={
         "couple_cross_plane_Nm": Quantity("couple on the block, cross plane", "N m"),
@@ -94,4 +106,9 @@ demo = Demo(
     ),  # fmt: skip
     against=Against("omega", 100.0, 900.0, "speed of the crank [rad/s]"),
     show={"curves": [("reaction", "main bearings")], "traces": [], "speed": 0.005},
+    sliders=(
+        Control("omega", 300.0, 900.0, "rad/s", "speed"),
+        Control("spacing", 0.08, 0.14, "m", "between the cranks"),
+    ),
+    attempt="run it twice as fast: it wobbles four times as hard.",
 )

@@ -5,10 +5,11 @@ from scipy.integrate import quad
 
 from mbsd3d import AngleDriver, Body, Polynomial, Revolute, SpeedDriver, System, shapes, simulate
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
+from ..form import Ablation, Against, Beat, Control, Curve, Demo, Measured, Quantity, Symbol
+from ..moments import share
 
 
-def mechanism(*, Is=2000.0, A=0.3, C=0.5, Omega=300.0, delta_deg=60.0, T=2.0) -> System:
+def mechanism(*, Is=500.0, A=0.3, C=0.5, Omega=300.0, delta_deg=60.0, T=4.0) -> System:
     """Build a satellite Is [kg m^2], wheels (C, A, A) at +-Omega [rad/s] along x, gimbals about y driven by delta in T
     [s].
     """
@@ -65,11 +66,24 @@ demo = Demo(
     __name__,
     title="Turning in space with nothing to push against",
     question="How does a space station turn with nothing to push against?",
+    beats=(
+        Beat(0.0, "Two wheels spin against each other: together they have no angular momentum."),
+        Beat(share(0.5), "They tip, and no longer cancel: the station turns against them."),
+        Beat(share(1.0), "All the way it has pushed on nothing but its wheels."),
+    ),
     why="Two wheels spin against each other, so that their angular momenta cancel. Tilted in opposite directions by "
     "small motors, both point up a little, and their sum no longer vanishes; as nothing outside can take angular "
     "momentum, the station turns the other way. Tilting back stops it exactly. The motors only turn the axes and "
     "need little torque; the gyroscopic moments do the work.",
     equation="theta' = -2 C W sin d / (I_s + 2 A cos^2 d + 2 C sin^2 d)",
+    symbols={
+        "I_s": Symbol("moment of the station", "kg m^2", "Is"),
+        "C": Symbol("moment of a wheel along its axis", "kg m^2", "C"),
+        "A": Symbol("moment of a wheel across it", "kg m^2", "A"),
+        "W": Symbol("spin of the wheels", "rad/s", "Omega", arrow="angular momentum"),
+        "d": Symbol("tilt of the wheels in the end", "deg", "delta_deg"),
+        "theta": Symbol("turn of the station; its rate", "rad/s", curve=(0, 2)),
+    },
     source="Hughes, Spacecraft Attitude Dynamics; Wie, Space Vehicle Dynamics and Control (control moment gyros)",
     quantities={
         "satellite_rate_rad_s": Quantity("rate of the satellite at the end", "rad/s"),
@@ -78,4 +92,10 @@ demo = Demo(
     ablation=Ablation("spin", "wheels that do not spin turn nothing", {"Omega": 0.0}),
     against=Against("delta_deg", 0.0, 90.0, "tilt of the gimbals [deg]", computed=3),
     show={"curves": [("omega", "satellite")], "shown": ["angular momentum"], "traces": []},
+    sliders=(
+        Control("delta_deg", 10.0, 90.0, "deg", "tilt of the wheels"),
+        Control("Omega", 0.0, 600.0, "rad/s", "spin of the wheels"),
+    ),
+    attempt="tilt the wheels by 90 degrees: the station turns by the most. Stop the wheels, and tilting them "
+    "turns nothing.",
 )

@@ -4,7 +4,8 @@ import numpy as np
 
 from mbsd3d import GROUND, Body, Revolute, System, measures, rotation, shapes, simulate
 
-from ..form import Ablation, Curve, Demo, Measured, Quantity
+from ..form import Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol
+from ..moments import share
 from ..quadrature import swing, turning_point
 from ..runs import half_swing
 
@@ -66,11 +67,26 @@ demo = Demo(
     __name__,
     title="The walk of a gyroscope in gimbals",
     question="Why does a nodding gyroscope in gimbals creep around although nothing pushes it?",
+    beats=(
+        Beat(0.0, "A push makes the gyroscope nod."),
+        Beat(0.0867, "One nod is over, and it does not come back to where it was."),
+        Beat(share(1.0), "Six nods have turned it by 6 degrees."),
+    ),
     why="A kick makes the spin axis nod, and with every nod the outer ring swings to and fro. Its moment of inertia "
     "depends on how the inner ring stands: it is smaller while the rotor leans away from the horizon. So the "
     "ring swings farther one way than back, and creeps. With the axis horizontal both halves of the nod are "
     "alike, and the creep vanishes.",
     equation="phi' = h (sin b_0 - sin b) / (C_o + (C_i + A) cos^2 b + B_i sin^2 b)",
+    symbols={
+        "phi": Symbol("outer ring", "rad", curve=(0, 0)),
+        "h": Symbol("angular momentum of the rotor", "N m s", lambda C, spin: C * spin),
+        "b": Symbol("inner ring, from its start on", "rad", curve=(1, 0)),
+        "b_0": Symbol("tilt at the start", "deg", "beta_deg"),
+        "C_o": Symbol("moment of the outer ring about its axis", "kg m^2", "Co"),
+        "B_i": Symbol("moment of the inner ring along the rotor", "kg m^2", "Bi"),
+        "C_i": Symbol("moment of the inner ring across it", "kg m^2", "Ci"),
+        "A": Symbol("moment of the rotor across its axis", "kg m^2", "A"),
+    },
     source="Plymale, Goodstein, J. Appl. Mech. 22 (1955); Arnold, Maunder, Gyrodynamics (gimbal walk)",
     quantities={
         "nutation_period_s": Quantity("period of the nutation", "s"),
@@ -79,4 +95,10 @@ demo = Demo(
     ablation=Ablation("tilt", "with the spin axis horizontal the walk vanishes", {"beta_deg": 0.0}),
     show={"curves": [("angle", "outer"), ("angle", "inner")], "traces": [("rotor", (0.0, 0.24, 0.14))], "speed": 0.1},
     ranges={"A": (0.01, 0.012), "C": (0.01, 0.019)},
+    sliders=(
+        Control("beta_deg", 0.0, 60.0, "deg", "tilt of the rotor"),
+        Control("spin", 50.0, 200.0, "rad/s"),
+        Control("kick", 2.0, 20.0, "rad/s"),
+    ),
+    attempt="level the rotor: the rings nod and come back, and nothing walks.",
 )

@@ -4,7 +4,7 @@ import numpy as np
 
 from mbsd3d import GROUND, Body, Revolute, SpeedDriver, System, measures, shapes, simulate
 
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
 from ..quadrature import swing
 
 
@@ -80,12 +80,26 @@ demo = Demo(
     __name__,
     title="The gyrocompass",
     question="How does a wheel find true north without a magnet?",
+    beats=(
+        Beat(0.0, "Let go 60 degrees beside north."),
+        Beat(0.527, "It passes north."),
+        Beat(1.055, "It swings as far to the other side."),
+        Beat(1.582, "And over north again: it swings about nothing else."),
+    ),
     why="The Earth carries the wheel's axis along, unless the axis points to the pole. The wheel resists such a turn "
     "with a moment at right angles to it; kept level, it can only follow this moment about the vertical, and "
     "that takes its axis towards the meridian. It swings about north like a pendulum, slowly where the Earth "
     "turns slowly, and not at all at the pole. (The Earth turns 700 times too fast here, so that one can watch "
     "it.)",
     equation="A_u s'' = -C w W cos(lat) sin s; small swings: T = 2 pi sqrt(A_u / (C w W cos lat))",
+    symbols={
+        "s": Symbol("turn of the card since the release", "rad", curve=(0, 0)),
+        "A_u": Symbol("moment of card and wheel about the vertical", "kg m^2", lambda A, G: A + G),
+        "C": Symbol("moment of the wheel along its axis", "kg m^2", "C"),
+        "w": Symbol("spin of the wheel", "rad/s", "spin", arrow="angular momentum"),
+        "W": Symbol("turn of the Earth, much quickened", "rad/s", "Omega_e"),
+        "T": Symbol("time of a swing", "s"),
+    },
     source="Goldstein, Classical Mechanics (gyrocompass); Arnold, Maunder, Gyrodynamics",
     quantities={"time_to_north_s": Quantity("time from the release to north", "s")},
     ablation=Ablation(
@@ -93,4 +107,10 @@ demo = Demo(
     ),  # fmt: skip
     show={"curves": [("angle", "vertical")], "shown": ["angular momentum"], "traces": []},
     ranges={"A": (0.01, 0.012), "C": (0.01, 0.019)},
+    sliders=(
+        Control("lat_deg", 0.0, 80.0, "deg", "latitude"),
+        Control("spin", 100.0, 300.0, "rad/s"),
+    ),
+    attempt="go north: the nearer to the pole, the longer it takes to find north, as less of the Earth's "
+    "turn is level there.",
 )

@@ -9,6 +9,7 @@ from mbsd3d import (
     Revolute,
     Sine,
     SpeedDriver,
+    State,
     System,
     Torque,
     TorsionSpring,
@@ -17,7 +18,8 @@ from mbsd3d import (
     simulate,
 )
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Against, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 
 # [1] of one turn, or of one swing if that is faster; the flap is a sine: one turn gives its coefficient
 TURN_SAMPLES = 96
@@ -80,6 +82,15 @@ def lag_and_flap(in_phase, across, moment):
     return {"lag_deg": np.degrees(np.arctan2(across, in_phase)), "flap_rad": moment / np.hypot(in_phase, across)}
 
 
+def film(build, *, e, Omega, M0) -> tuple[System, State]:
+    """Build what is seen: a push so strong that the flap shows, and the start that theory has for it."""
+    found = build.theory
+    system, lag = build(M0=SHOWN_FLAP / found["flap_rad"] * M0), np.radians(found["lag_deg"])
+    start, turned = system.state(), rotation((0, -1, 0), SHOWN_FLAP * np.cos(lag))
+    moving = [0, Omega * e, 0, 0, -SHOWN_FLAP * Omega * np.sin(lag), Omega]
+    return system, State(0.0, [*start.q[:10], *turned], [*start.v[:6], *moving])
+
+
 def measure(build, terms, *, m, L, Omega, M0, c, k) -> Measured:
     """Measure the periodic flap: the fixed point of the map from turn to turn, which is affine."""
     system, turn, inertia = build(), 2 * np.pi / Omega, m * L**2 / 3
@@ -96,7 +107,8 @@ def measure(build, terms, *, m, L, Omega, M0, c, k) -> Measured:
     start = np.linalg.solve(np.eye(2) - slope, ends[0])
     run = after(*start, output=TURN_SAMPLES + 1)
     more = SHOWN_FLAP / build.theory["flap_rad"]
-    large = after(*(more * start), system=build(M0=more * M0), output=TURN_SAMPLES + 1)
+    shown, begin = film(build, e=build.values["e"], Omega=Omega, M0=M0)
+    large = simulate(shown, turn, state=begin, method=DOP853(dt=turn / samples), output=TURN_SAMPLES + 1, **terms)
     notes = [f"seen here with a push {more:.2g} times as strong, and with three blades more that nobody pushes"]
     flap = run.angle("flap")
     first = 2 * np.mean(flap[:-1] * np.exp(1j * Omega * run.t[:-1]))  # conjugate of the coefficient of exp(i W t)
@@ -111,11 +123,28 @@ demo = Demo(
     __name__,
     title="The rotor's quarter turn",
     question="Why must a helicopter's swashplate push a quarter turn before the place where the rotor shall tilt?",
+    beats=(
+        Beat(0.0, "Here the blade is pushed up hardest, and it is level."),
+        Beat(share(0.25), "A quarter turn later it is highest."),
+        Beat(share(0.5), "Pushed down hardest, and level again."),
+        Beat(share(0.75), "Lowest: the push is answered a quarter turn late."),
+    ),
     why="The centrifugal force pulls a blade back into the plane of the rotor like a spring, and this spring makes "
     "it swing exactly once a turn. A push that comes once a turn is therefore in resonance, and at resonance any "
     "swing follows its push by a quarter of a period. A hinge away from the shaft makes the spring stiffer, and "
     "the lag smaller.",
     equation="I b'' + c b' + (I W^2 (1 + 3e/2L) + k) b = M_0 cos W t; tan(lag) = c W / (I W^2 3e/2L + k)",
+    symbols={
+        "b": Symbol("flap", "rad", curve=(0, 0)),
+        "I": Symbol("moment of a blade about its hinge", "kg m^2", lambda m, L: m * L**2 / 3),
+        "W": Symbol("turn of the rotor", "rad/s", "Omega"),
+        "e": Symbol("hinge outside the shaft", "m", "e"),
+        "L": Symbol("length of a blade", "m", "L"),
+        "c": Symbol("damping by the air", "N m s", "c"),
+        "k": Symbol("spring at the hinge", "N m", "k"),
+        "M_0": Symbol("push", "N m", "M0"),
+        "t": Symbol("time", "s"),
+    },
     source="Johnson, Helicopter Theory (flapping); Leishman, Principles of Helicopter Aerodynamics (flapping blade)",
     quantities={
         "lag_deg": Quantity("lag of the flap behind the push", "deg"),
@@ -128,4 +157,10 @@ demo = Demo(
     ),
     against=Against("e", 0.0, 1.0, "offset of the hinge [m]"),
     show={"curves": [("angle", "flap")], "traces": [("blade", (5.0, 0, 0))], "view": (-58.0, 18.0)},
+    sliders=(
+        Control("e", 0.0, 2.0, "m", "hinge off the shaft"),
+        Control("c", 2000.0, 8000.0, "N m s/rad", "damping"),
+    ),
+    attempt="move the hinge off the shaft: the blade no longer swings in step with the turn, and the lag "
+    "falls below 90 degrees.",
 )

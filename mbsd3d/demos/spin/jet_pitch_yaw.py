@@ -6,7 +6,8 @@ import numpy as np
 
 from mbsd3d import Body, Revolute, SpeedDriver, System, Torque, shapes, simulate
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
+from ..form import Ablation, Against, Beat, Control, Curve, Demo, Measured, Quantity, Symbol
+from ..moments import share
 from ..quadrature import motion, quaternion_rate
 
 JET_SHAPES = (
@@ -74,11 +75,27 @@ demo = Demo(
     __name__,
     title="A jet that raises its nose swings it sideways",
     question="Why does a jet that raises its nose also swing it sideways?",
+    beats=(
+        Beat(0.0, "The pilot pulls: the moment acts upwards only."),
+        Beat(share(0.5), "The nose goes up ..."),
+        Beat(share(1.0), "... and to the side, where nobody has pushed it."),
+    ),
     why="The engine's rotor carries angular momentum along the nose. Raising the nose turns this arrow, and an arrow "
     "turns only under a moment at right angles to it: if nothing gives that moment, the whole jet answers by "
     "yawing. With the engine stopped nothing turns sideways, with the engine reversed the nose goes to the other "
     "side.",
     equation="I w' + w x (I w + h) = M; h = J W along the nose; small angles: r = J W theta / I_z",
+    symbols={
+        "w": Symbol("turning", "rad/s", curve=(0, 1)),
+        "r": Symbol("to the side", "rad/s", curve=(0, 2)),
+        "I": Symbol("moments of the jet", "kg m^2"),
+        "I_z": Symbol("that about its upright axis", "kg m^2", lambda I: I[2]),
+        "h": Symbol("angular momentum of the engine", "N m s", lambda J, Omega: J * Omega, arrow="angular momentum"),
+        "J": Symbol("moment of the engine", "kg m^2", "J"),
+        "W": Symbol("spin of the engine", "rad/s", "Omega"),
+        "M": Symbol("pull of the pilot", "N m", "M"),
+        "theta": Symbol("rise of the nose", "rad"),
+    },
     source="Hughes, Spacecraft Attitude Dynamics (gyrostats); Stevens, Lewis, Aircraft Control and Simulation",
     quantities={
         "yaw_rate_rad_s": Quantity("yaw rate at the end", "rad/s"),
@@ -88,4 +105,10 @@ demo = Demo(
     against=Against("Omega", -1500.0, 1500.0, "speed of the engine [rad/s]", computed=3),
     show={"curves": [("omega_body", "jet")], "shown": ["angular momentum"]},
     ranges={"I": [(12e3, 16e3), (70e3, 80e3), (75e3, 81e3)]},
+    sliders=(
+        Control("Omega", 0.0, 1500.0, "rad/s", "spin of the engine"),
+        Control("M", 5000.0, 60000.0, "N m", "moment"),
+    ),
+    theory_moves=False,
+    attempt="stop the engine: pulling up no longer turns the nose aside.",
 )

@@ -6,7 +6,8 @@ import numpy as np
 
 from mbsd3d import GROUND, Body, Revolute, SpeedDriver, System, shapes, simulate
 
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 
 TURN_SAMPLES = 144  # [1] of one turn; the extremes are among them, and means over the turn are exact
 
@@ -73,11 +74,24 @@ demo = Demo(
     __name__,
     title="Two blades shake, three do not",
     question="Why do two-bladed propellers shake an airplane that yaws and three-bladed ones do not?",
+    beats=(
+        Beat(0.0, "Blades upright: no moment."),
+        Beat(share(0.25), "Blades level: 400 N m, twice the mean."),
+        Beat(share(0.5), "Upright again, and none: it beats twice a turn."),
+    ),
     why="A propeller on a turning airplane needs a gyroscopic moment about the pitch axis. Two blades have this "
     "inertia only while they stand across the axis of the turn: the moment beats between zero and twice its "
     "mean, twice a turn, and a yawing moment of the same size beats with it. Three or more blades are as good as "
     "a disc, whose inertia is the same in all directions of its plane.",
     equation="two blades: M_pitch = J W r (1 - cos 2 psi), M_yaw = -J W r sin 2 psi; three blades: M_pitch = J W r",
+    symbols={
+        "M_pitch": Symbol("pitching moment", "N m", curve=(0, 1), arrow="reaction moment"),
+        "M_yaw": Symbol("yawing moment", "N m", curve=(0, 2), arrow="reaction moment"),
+        "J": Symbol("moment of a blade", "kg m^2", "J"),
+        "W": Symbol("turn of the propeller", "rad/s", "Omega"),
+        "r": Symbol("turn of the aircraft", "rad/s", "r"),
+        "psi": Symbol("angle of the blades", "rad"),
+    },
     source="d(I w)/dt of a body of two and of three equal moments; Den Hartog, Mechanics (gyroscopes)",
     quantities={
         "pitch_moment_peak_Nm": Quantity("pitching moment, peak", "N m"),
@@ -86,4 +100,9 @@ demo = Demo(
     },
     ablation=Ablation("two-blades", "three blades make a steady moment and do not shake", {"blades": 3}),
     show={"curves": [("reaction", "hub")], "shown": ["reaction moment"]},
+    sliders=(
+        Control("r", 0.1, 1.0, "rad/s", "turn of the aircraft"),
+        Control("Omega", 100.0, 400.0, "rad/s", "propeller"),
+    ),
+    attempt="turn faster: the moment grows in proportion, and so does its beat. The ghost has three blades.",
 )

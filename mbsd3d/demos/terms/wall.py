@@ -10,7 +10,8 @@ from ...api.viewable import AnimateOptions
 from ...base.rotations import H
 from ..base import Show
 from ..figure import Line, Table
-from ..form import Ablation, Builder, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Builder, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 from ..shafts import crank
 
 INITIAL_GAP, DECAY_RATE, STEP_COUNT = (
@@ -161,11 +162,30 @@ demo = Demo(
     __name__,
     title="The wall: what each forgotten term breaks",
     question="Which terms do models of machines in space forget, and who would notice?",
+    beats=(
+        Beat(0.0, "A wheel whose joint has lost one term."),
+        Beat(share(0.5), "It leaves its hinge ..."),
+        Beat(share(1.0), "... by 3.1 m in one turn, and no energy check would tell."),
+    ),
     why="Plane motion has no w x I w, and a body placed by its centre of mass no m w x (w x s), so plane models never "
     "miss them. A model that drops a term passes one check and fails another: without w x I w the energy stays but the "
     "angular momentum turns, without m w x (w x s) an engine shakes a tenth less, without -J_dot v a wheel leaves its "
     "hinge, without H_dot a quaternion stops being a rotation.",
     equation="M v_dot + J^T lam = Q - w x I w - m w x (w x s); J v_dot = -J_dot v; e_ddot = (H w_dot + H_dot w) / 2",
+    symbols={
+        "M": Symbol("masses and moments"),
+        "J": Symbol("rows of the joints"),
+        "lam": Symbol("forces of the joints"),
+        "Q": Symbol("other forces"),
+        "v": Symbol("velocities"),
+        "w": Symbol("turning", "rad/s"),
+        "I": Symbol("moments", "kg m^2"),
+        "m": Symbol("mass", "kg"),
+        "s": Symbol("from the reference point to the centre of mass", "m"),
+        "e": Symbol("quaternion"),
+        "H": Symbol("what its rate is by w"),
+        "T": Symbol("means transposed"),
+    },
     source="closed forms for constant w, in the docstrings of the source",
     quantities={
         "energy_change_J": Quantity("no w x I w: change of energy, half a turn", "J", absolute=1e-10),

@@ -4,7 +4,8 @@ import numpy as np
 
 from mbsd3d import GROUND, Body, PositionDriver, RollingDisc, Sine, SpeedDriver, System, shapes, simulate
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
+from ..form import Ablation, Against, Beat, Control, Curve, Demo, Measured, Quantity, Symbol
+from ..moments import share
 
 T = 2.0  # s: one round; the turn does not depend on it
 
@@ -52,11 +53,20 @@ demo = Demo(
     __name__,
     title="Once around, and turned",
     question="Roll a ball once around a circle without twisting it: why does it come back turned?",
+    beats=(
+        Beat(0.0, "A ball rolls once round a circle, and nobody twists it."),
+        Beat(share(0.5), "Halfway."),
+        Beat(share(1.0), "Back at its place, and turned by 111 degrees."),
+    ),
     why="Rolling turns a ball about horizontal axes only; it never twists about the vertical. But turns about "
     "different axes do not add up: one after the other they make a turn about a third axis, and around a closed "
     "path something is left over. It depends only on the path. So one can bring a ball into any position by "
     "rolling alone: two degrees of freedom of velocity reach five of place and turn.",
     equation="net turn = 2 pi sqrt(1 + (rho/r)^2) mod 2 pi about (rho/r, 0, -1)",
+    symbols={
+        "r": Symbol("ball", "m", "r"),
+        "rho": Symbol("circle", "m", "rho"),
+    },
     source="Montgomery, A Tour of Subriemannian Geometries; Jurdjevic (1993), The geometry of the plate-ball problem",
     quantities={
         "net_turn_cos": Quantity("cosine of the net turn"),
@@ -68,4 +78,6 @@ demo = Demo(
     against=Against("rho", 0.01, 0.4, "radius of the circle [m]"),
     show={"curves": [("omega", "ball")], "traces": [("ball", (0.25, 0, 0.1))]},
     may_vanish=("rho",),
+    sliders=(Control("rho", 0.1, 0.4, "m", "radius of the circle"),),
+    attempt="lead it around a larger circle: it comes back turned by more.",
 )

@@ -4,7 +4,7 @@ import numpy as np
 
 from mbsd3d import GROUND, Body, Revolute, RollingDisc, SpeedDriver, System, shapes, simulate
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Against, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
 
 
 def mechanism(*, r=0.05, k=0.4, Omega=3.5, v=0.2, x0=0.5) -> System:
@@ -52,11 +52,22 @@ demo = Demo(
     __name__,
     title="The ball on the turntable",
     question="Why does a ball on a turntable run in circles of its own, at 2/7 of the table's rate?",
+    beats=(
+        Beat(0.0, "A ball is rolled onto a turning table."),
+        Beat(1.795, "The table has turned once, the ball has done 2/7 of a circle."),
+        Beat(3.59, "Twice, and 4/7: the circle is its own, not that of the table."),
+    ),
     why="The table drags the ball's lowest point sideways, the faster the farther out it is; the ball spins up and "
     "at the same time is pushed at right angles to its own velocity. A force that is always at right angles to "
     "the velocity and proportional to it makes circles, as a magnet does with electrons. Their rate does not "
     "depend on place, speed, size or mass: only on how the mass is spread, k = I/(m r^2).",
     equation="v' = W k/(1 + k) z x v; solid ball: k = 2/5, 2/7 of the rate of the table",
+    symbols={
+        "v": Symbol("speed of the ball at the start", "m/s", "v"),
+        "W": Symbol("turn of the table", "rad/s", "Omega"),
+        "k": Symbol("moment of the ball over m r^2", "", "k"),
+        "z": Symbol("upwards"),
+    },
     source="Weltner, Am. J. Phys. 47 (1979) 984; Burns, Am. J. Phys. 49 (1981) 56",
     quantities={
         "circle_rate_rad_s": Quantity("rate of the circle", "rad/s"),
@@ -66,4 +77,11 @@ demo = Demo(
     ablation=Ablation("turning", "on a table at rest it runs straight on", {"Omega": 0.0}),
     against=Against("k", 0.05, 0.66, "I/(m r^2) [-]"),
     show={"curves": [("position", "ball")], "traces": [("ball", (0.5, 0, 0.05))], "hidden": ["ground grid"]},
+    sliders=(
+        Control("k", 0.1, 0.66, "", "moment of inertia over m r^2"),
+        Control("Omega", 1.0, 6.0, "rad/s", "turntable"),
+        Control("v", -0.4, 0.4, "m/s", "push"),
+    ),
+    attempt="take a hollow ball, 2/3: its circle takes two fifths of the turntable's rate. Push it "
+    "otherwise: another circle, the same rate.",
 )

@@ -4,7 +4,7 @@ import numpy as np
 
 from mbsd3d import DOP853, GROUND, Body, Contact, Rolling, System, rotation, shapes, simulate
 
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import GRAVITY, Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
 
 G = 9.81  # m/s^2
 STIFFNESS_RATIOS = (1e-3, 1e-2, 0.1, 1.0)  # [1] of the tables over the stiffest
@@ -61,6 +61,11 @@ def rate_of(system, t, terms):
     return (turn[-1] - turn[0]) / t, run
 
 
+def film(build, *, stiffness) -> System:
+    """Build what is seen: the coin on the softest table."""
+    return build(stiffness=stiffness * STIFFNESS_RATIOS[0])
+
+
 def measure(build, terms, *, tilt_deg, mu, stiffness, t=2.0) -> Measured:
     """Measure rates on tables of four stiffnesses and without slip; the limit and the order from the last two."""
     tables = stiffness * np.array(STIFFNESS_RATIOS)
@@ -90,11 +95,26 @@ demo = Demo(
     __name__,
     title="Springs that become a rule",
     question="Is a coin that must not slip the same as a coin that is held by friction and a stiff table?",
+    beats=(
+        Beat(0.0, "A coin runs round on a table of stiff springs with friction."),
+        Beat(1.047, "Half round, as fast as one that must not slip."),
+    ),
     why="Rolling without slip is a rule: three numbers of the motion are given, whatever force that takes. "
     "A real edge sinks in a little and its friction gives way a little before it holds. Both need the same forces, so "
     "the way is as large as the force over the stiffness: ten times stiffer is ten times closer. The rule is the "
     "limit, and far cheaper to compute.",
     equation="W z x L = l x m (g z - W^2 X);  |W_k - W| ~ 1/k",
+    symbols={
+        "W": Symbol("rate at which the coin goes round", "rad/s", "W"),
+        "W_k": Symbol("that on springs", "rad/s"),
+        "k": Symbol("stiffness of the springs", "N/m", "stiffness"),
+        "L": Symbol("angular momentum of the coin", "N m s"),
+        "l": Symbol("from the contact to the centre", "m"),
+        "X": Symbol("from the middle of the circle to the centre", "m"),
+        "m": Symbol("coin", "kg", "m"),
+        "g": GRAVITY,
+        "z": Symbol("upwards"),
+    },
     source="Routh, Advanced Rigid Dynamics; Brogliato, Nonsmooth Mechanics, on compliant contact as its limit",
     quantities={
         "limit_rad_s": Quantity("rate on springs, in the limit", "rad/s", relative=1e-5),
@@ -106,4 +126,8 @@ demo = Demo(
                       values=lambda W: {"exact_rad_s": W}),
     show={"curves": [("omega", "coin")], "traces": [], "speed": 0.5, "follow": "coin"},
     ranges={"mu": (0.55, 0.7), "I3": (9e-4, 11e-4), "rho": (0.008, 0.012), "stiffness": (8e5, 1e6)},
+    sliders=(
+        Control("mu", 0.36, 0.7, "", "friction"),
+    ),
+    attempt="let the table be more slippery: as long as friction holds, nothing changes.",
 )  # fmt: skip

@@ -4,7 +4,8 @@ import numpy as np
 
 from mbsd3d import GROUND, Body, RollingDisc, System, rotation, shapes, simulate
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
+from ..form import GRAVITY, Ablation, Against, Beat, Control, Curve, Demo, Measured, Quantity, Symbol
+from ..moments import share
 
 G = 9.81  # m/s^2
 
@@ -56,11 +57,23 @@ demo = Demo(
     __name__,
     title="Euler's disc",
     question="Why does a spun coin hum faster and faster while it seems to stop?",
+    beats=(
+        Beat(0.0, "The contact races round the rim."),
+        Beat(share(0.5), "Once round, and the face has turned by 5.5 degrees."),
+        Beat(share(1.0), "Twice round: it hums, and hardly seems to turn."),
+    ),
     why="The point of contact races around the edge, and that is what one hears. The flatter the coin lies, the "
     "smaller the angular momentum that its weight has to turn, so it must turn it faster: without limit as the "
     "tilt goes to zero. But the edge and its track on the table are then nearly of the same length, and the face "
     "turns only by the difference.",
     equation="W^2 = g / (a (I_1 / m a^2) sin tilt); disc: W^2 = 4 g / (a sin tilt); the face turns at W (1 - cos tilt)",
+    symbols={
+        "W": Symbol("rate of the contact", "rad/s"),
+        "a": Symbol("radius", "m", "a"),
+        "I_1": Symbol("moment across, over m a^2", "", "I1_over_ma2"),
+        "m": Symbol("disc, which does not matter"),
+        "g": GRAVITY,
+    },
     source="Moffatt, Nature 404 (2000) 833; O'Reilly, Nonlinear Dynamics 10 (1996) 287",
     quantities={
         "precession_rad_s": Quantity("rate of the contact point", "rad/s"),
@@ -74,4 +87,6 @@ demo = Demo(
     ),  # fmt: skip
     against=Against("tilt_deg", 2.0, 60.0, "tilt [deg]"),
     show={"curves": [("omega", "disc")], "shown": ["angular velocity"], "traces": [], "speed": 0.02},
+    sliders=(Control("tilt_deg", 4.0, 40.0, "deg", "tilt"),),
+    attempt="lay it flatter: the point of contact races, and the face hardly turns.",
 )

@@ -5,7 +5,8 @@ import numpy as np
 from mbsd3d import DOP853, GROUND, Body, Contact, System, rotation, shapes, simulate
 from mbsd3d.rotations import matrix
 
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import GRAVITY, Ablation, Beat, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 from ..rolling_stone import rolled
 
 G = 9.81  # m/s^2
@@ -104,12 +105,23 @@ demo = Demo(
     __name__,
     title="The end of Euler's disc",
     question="Why does a spun coin, which loses its energy so slowly, stop all of a sudden with a shriek?",
+    beats=(
+        Beat(0.0, "10 degrees aslant: a low hum."),
+        Beat(share(0.5), "Lower, and faster."),
+        Beat(share(1.0), "1.5 degrees. Its last moment, at 5.2 s, was known at the start."),
+    ),
     why="The flatter the coin lies, the faster its contact runs around the edge. Friction against rolling takes its "
     "share from every round, so the loss per second grows just as the energy runs out: the tilt falls as the square "
     "of the time that is left and the hum rises as one over it. Both come to their end at a moment that is known from "
     "the start. The last part is not shown: the centre drifts into circles, for which friction is too weak at last, "
     "and a coin that lies on its whole edge touches in no one point.",
     equation="t = 3/2 (a / arm) sqrt(a tilt / g);  tilt ~ (t - now)^2,  W ~ 1 / (t - now)",
+    symbols={
+        "t": Symbol("time until the end", "s"),
+        "a": Symbol("radius", "m", "a"),
+        "g": GRAVITY,
+        "W": Symbol("rate of the contact", "rad/s"),
+    },
     source="Moffatt, Nature 404 (2000) 833; Leine, Archive of Applied Mechanics 79 (2009) 1063",
     quantities={
         "ends_s": Quantity("it ends after", "s", relative=0.03),  # the formula is of first order in tilt and rho/a

@@ -4,10 +4,9 @@ import numpy as np
 from scipy.special import ellipk
 
 from mbsd3d import GROUND, Body, Spherical, System, measures, rotation, shapes, simulate
-from mbsd3d.base.style import GREY
 
 from ..figure import Drawn, Line, Path
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import GRAVITY, Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
 from ..panel_drawing import sphere_net
 from ..quadrature import cross, motion
 
@@ -23,8 +22,8 @@ def mechanism(*, m=15.0, l=1.0, It=0.234375, I3=0.46875, spin=237.0, precession=
     axis = np.array([0.0, np.sin(tilt), np.cos(tilt)])
     omega = precession * np.array([0.0, 0.0, 1.0]) + (spin - precession * np.cos(tilt)) * axis
     shape = (
-        shapes.Disc(0.25 * l, 0.03 * l, "y"),
-        shapes.Cylinder(0.02 * l, (1 + TIP_RATIO) * l, "y", at=(0, 0.5 * (TIP_RATIO - 1) * l, 0), colour=GREY),
+        shapes.Disc(0.25 * l, 0.12 * l, "y"),
+        shapes.Cylinder(0.03 * l, (1 + TIP_RATIO) * l, "y", at=(0, 0.5 * (TIP_RATIO - 1) * l, 0), colour="peru"),
     )
     top = Body(
         "top", m, (It, I3, It), position=l * axis, orientation=rotation("x", np.pi / 2 - tilt), omega=omega, shape=shape
@@ -146,11 +145,31 @@ demo = Demo(
     __name__,
     title="Heavy top: a falling weight that turns aside",
     question="Why does a spinning top fall a little, turn aside, and come back up?",
+    beats=(
+        Beat(0.0, "Let go, it begins to fall."),
+        Beat(0.4733, "Here it has turned aside, and falls no lower."),
+        Beat(0.9465, "Here it is up again, a step farther round."),
+        Beat(4.73, "Five such steps, and it is round."),
+    ),
     why="In a plane the spin has no direction to change, so w x I w vanishes and a weight can only fall. In space the "
     "moment of the weight turns the spin axis sideways. Released with another rate than a steady one the top falls "
     "until its sideways motion holds it, and comes back up: it nutates. With the right rate, and there are two, "
     "it goes round at a constant height.",
     equation="A W^2 cos(tilt) - C w_3 W + m g l = 0; u_dot^2 = (alpha - beta u)(1 - u^2) - (b - a u)^2",
+    symbols={
+        "A": Symbol("moment across, at the pivot", "kg m^2", lambda m, l, It: It + m * l**2),
+        "C": Symbol("moment along the axis", "kg m^2", "I3"),
+        "w_3": Symbol("spin about the axis", "rad/s", "spin", arrow="angular momentum"),
+        "W": Symbol("rate at which it goes round", "rad/s"),
+        "m": Symbol("top", "kg", "m"),
+        "g": GRAVITY,
+        "l": Symbol("from the pivot to the centre of mass", "m", "l"),
+        "u": Symbol("cosine of the tilt; the height of the centre of mass is l u", "m", curve=(0, 2)),
+        "a": Symbol("C w_3/A", "rad/s", lambda m, l, It, I3, spin: I3 * spin / (It + m * l**2)),
+        "b": Symbol("angular momentum about the vertical, over A", "rad/s"),
+        "alpha": Symbol("from the energy", "1/s^2"),
+        "beta": Symbol("2 m g l/A", "1/s^2", lambda m, l, It: 2 * m * 9.81 * l / (It + m * l**2)),
+    },
     source="case: Bruls, Cardona, Arnold, Mech. Mach. Theory 48 (2012) 121-137; fall: energy and two momenta, elliptic "
     "functions",
     quantities={
@@ -164,4 +183,8 @@ demo = Demo(
     show=show,
     ranges={"tilt_deg": (50.0, 70.0), "m": (13.0, 15.5), "l": (0.9, 1.02), "It": (0.24, 0.27), "I3": (0.44, 0.48),
             "spin": (220.0, 260.0)},
+    sliders=(Control("spin", 150.0, 400.0, "rad/s"), Control("precession", -1.5, 3.0, "rad/s", "push sideways")),
+    readings={"fall_s": ("turning", 0, 2), **{f"{axis}_m": ("last", 0, k) for k, axis in enumerate("xyz")}},
+    attempt="spin it faster: it falls less, and comes back sooner. Push it sideways with the rate of slow precession, "
+    "and it no longer falls at all.",
 )  # fmt: skip

@@ -6,7 +6,8 @@ from scipy.interpolate import CubicHermiteSpline
 from mbsd3d import GROUND, Body, Rolling, System, rotation, shapes, simulate
 from mbsd3d.rotations import matrix
 
-from ..form import Ablation, Curve, Demo, Measured, Quantity
+from ..form import GRAVITY, Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol
+from ..moments import first
 from ..rolling_stone import rolled
 
 G = 9.81  # m/s^2
@@ -56,11 +57,26 @@ demo = Demo(
     __name__,
     title="The rattleback",
     question="Why does a Celtic stone refuse to spin one way and turn back?",
+    beats=(
+        Beat(0.0, "Spun one way."),
+        Beat(first(lambda run: run.omega("stone")[:, 2] < 4.0), "It begins to rattle: all its spin goes into that."),
+        Beat(first(lambda run: run.omega("stone")[:, 2] < 0), "It stands, and turns back."),
+    ),
     why="The stone's mass lies a little askew to its surface. So a spin and a rocking that are independent in a "
     "symmetric stone now feed each other: spun the wrong way, the slightest rocking grows and takes all the energy "
     "of the spin, and the rocking then pushes the stone around the other way. Rolling without slip takes no "
     "energy, so the motion run backwards is possible too, but that one needs just the right rocking to start with.",
     equation="(I - m S(a)^2) w' = -w x I w - m a x (w x (a' + w x a) + g n),  a = D n / sqrt(n . D n)",
+    symbols={
+        "w": Symbol("spin about the vertical", "rad/s", curve=(0, 2)),
+        "I": Symbol("moments of the stone", "kg m^2"),
+        "m": Symbol("stone", "kg", "m"),
+        "a": Symbol("from the centre of mass to the contact", "m"),
+        "D": Symbol("squares of the half axes", "m^2"),
+        "n": Symbol("the vertical, seen from the stone"),
+        "S": Symbol("matrix of the cross product with a", "m"),
+        "g": GRAVITY,
+    },
     source="Walker (1896); Bondi, Proc. R. Soc. A 405 (1986) 265; Garcia, Hubbard, Proc. R. Soc. A 418 (1988) 165",
     quantities={
         "spin_at_t_rad_s": Quantity("spin about the vertical at the end", "rad/s", relative=1e-6),
@@ -69,4 +85,10 @@ demo = Demo(
     ablation=Ablation("skew", "with the mass along the surface it spins on", {"delta_deg": 0.0}),
     show={"curves": [("omega", "stone")], "traces": [], "follow": "stone", "speed": 0.5},
     ranges={"I": [(1.9e-4, 2.1e-4), (15.5e-4, 16.5e-4), (16.5e-4, 17.5e-4)], "a": None, "b": None, "c": None},
+    sliders=(
+        Control("spin", -5.0, 7.0, "rad/s"),
+        Control("delta_deg", -3.0, 3.0, "deg", "skew"),
+    ),
+    theory_moves=False,
+    attempt="spin it the other way: it goes on. Turn the skew round, and the ways change places.",
 )

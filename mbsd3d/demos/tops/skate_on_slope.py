@@ -4,7 +4,8 @@ import numpy as np
 
 from mbsd3d import GROUND, Body, Joint, KnifeEdge, Planar, System, rotation, shapes, simulate
 
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import GRAVITY, Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 
 G = 9.81  # m/s^2
 
@@ -14,7 +15,12 @@ def mechanism(*, slope_deg=5.0, w=2.0, blade=1) -> System:
     require(blade in (0, 1), f"demo 'skate_on_slope': blade = {blade}; give 1 (with its edge) or 0 (without)")
     turned = rotation("y", slope_deg, degrees=True)
     normal = axes(slope_deg)[2]
-    form = (shapes.Box((0.3, 0.01, 0.04), at=(0, 0, 0.02)), shapes.Box((0.25, 0.07, 0.06), at=(0, 0, 0.07)))
+    form = (
+        shapes.Box((0.32, 0.01, 0.05), at=(0, 0, 0.025), colour="silver"),
+        shapes.Box((0.27, 0.08, 0.06), at=(0, 0, 0.08)),
+        shapes.Cylinder(0.055, 0.2, (-0.25, 0, 1), at=(-0.09, 0, 0.19)),
+        shapes.Sphere(0.045, at=(0.12, 0, 0.1)),
+    )
     skate = Body("skate", 2.0, (0.01, 0.02, 0.02), orientation=turned, velocity=(0, 0, 0), omega=w * normal, shape=form)
     joints: list[Joint] = [Planar(GROUND, skate, at=(0, 0, 0), normal=normal, name="ice")]
     joints += [KnifeEdge(GROUND, skate, at=(0, 0, 0), lateral=(0, 1, 0), name="blade")] * blade
@@ -60,11 +66,25 @@ demo = Demo(
     __name__,
     title="The skate that walks sideways",
     question="Why does a spinning skate on an icy slope walk sideways and never slide down?",
+    beats=(
+        Beat(0.0, "It starts down the slope, and the blade turns."),
+        Beat(0.785, "Lowest: the blade lies across."),
+        Beat(1.571, "Up again where it was, and a step aside."),
+        Beat(share(1.0), "Always aside, and never lower."),
+    ),
     why="The blade lets the skate move along itself only. As it turns, gravity speeds it up while it points downhill "
     "and slows it down by the same amount while it points uphill; what is left is a drift across the slope. The "
     "energy never allows it to go lower than one arc: a condition on velocities alone does what no rail could.",
     equation="down = g_s (1 - cos 2 w t) / (4 w^2); sideways = g_s t / (2 w) - g_s sin 2 w t / (4 w^2); "
     "g_s = g sin(slope)",
+    symbols={
+        "w": Symbol("turning of the skate", "rad/s", "w"),
+        "g": GRAVITY,
+        "g_s": Symbol(
+            "its part down the slope", "m/s^2", lambda slope_deg: 9.81 * float(np.sin(np.radians(slope_deg)))
+        ),
+        "t": Symbol("time", "s"),
+    },
     source="Neimark, Fufaev, Dynamics of Nonholonomic Systems; Bloch, Nonholonomic Mechanics and Control, 1.6",
     quantities={
         "down_slope_m": Quantity("way down the slope", "m"),
@@ -72,4 +92,6 @@ demo = Demo(
     },
     ablation=Ablation("blade", "it slides down and nothing else", {"blade": 0}),
     show={"curves": [("position", "skate")], "traces": [("skate", (0, 0, 0))]},
+    sliders=(Control("slope_deg", 1.0, 20.0, "deg", "slope"), Control("w", 0.5, 4.0, "rad/s", "turning")),
+    attempt="turn it slower: it goes farther down before it turns back, and sideways faster.",
 )

@@ -4,7 +4,8 @@ import numpy as np
 
 from mbsd3d import DOP853, GROUND, Body, Contact, System, shapes, simulate
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+from ..form import GRAVITY, Ablation, Against, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 
 G = 9.81  # m/s^2
 STIFFNESS_MIN = 1e7  # [N/m] for a mass of 1 kg
@@ -61,11 +62,28 @@ demo = Demo(
     __name__,
     title="From sliding to rolling",
     question="Why does a pushed ball end up rolling at 5/7 of its speed, on ice as on felt?",
+    beats=(
+        Beat(0.0, "Pushed, it slides: friction slows it down and sets it turning."),
+        Beat(0.4855, "Now it rolls, at 5/7 of its speed."),
+        Beat(share(1.0), "Nothing slows it down any more."),
+    ),
     why="Friction slows the ball and spins it up, and its moment about any point of the table is zero: the angular "
     "momentum about the table stays. When the slip is gone friction ends, so the speed at which it rolls is settled "
     "from the start, and with it the heat. More friction only makes it come sooner. With enough backspin the ball "
     "comes back.",
     equation="t = |v - r w| b / ((1 + b) mu g),  v_1 = (v + b r w) / (1 + b),  b = I / m r^2",
+    symbols={
+        "v": Symbol("speed", "m/s", curve=(0, 0)),
+        "w": Symbol("turning", "rad/s", curve=(1, 1)),
+        "v_1": Symbol("speed at which it rolls", "m/s"),
+        "t": Symbol("time until it rolls", "s"),
+        "r": Symbol("radius", "m", "r"),
+        "b": Symbol("moment over m r^2", "", "beta"),
+        "mu": Symbol("friction", "", "mu"),
+        "g": GRAVITY,
+        "I": Symbol("moment", "kg m^2"),
+        "m": Symbol("ball", "kg"),
+    },
     source="Coriolis, Theorie mathematique des effets du jeu de billard (1835); Hopkins, Patterson, Am. J. Phys. 45 "
     "(1977) 263",
     quantities={
@@ -77,4 +95,9 @@ demo = Demo(
     against=Against("spin", -155.0, 45.0, "spin at the start [rad/s]"),
     show={"curves": [("velocity", "ball"), ("omega", "ball")], "follow": "ball", "speed": 0.5},
     ranges={"mu": (0.25, 0.4)},
+    sliders=(
+        Control("spin", -150.0, 0.0, "rad/s"),
+        Control("mu", 0.3, 0.6, "", "friction"),
+    ),
+    attempt="give it backspin: below -125 rad/s it comes back.",
 )  # fmt: skip

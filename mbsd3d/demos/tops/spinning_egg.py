@@ -5,7 +5,8 @@ import numpy as np
 from mbsd3d import DOP853, GROUND, Body, Contact, System, rotation, shapes, simulate
 from mbsd3d.rotations import matrix
 
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import first
 from ..rolling_stone import slid
 from .tippe_top import STIFFNESS_PER_WEIGHT, table_of
 
@@ -95,12 +96,26 @@ demo = Demo(
     __name__,
     title="The spinning egg",
     question="Why does a hard-boiled egg that is spun on its side stand up on its end?",
+    beats=(
+        Beat(0.0, "Spun on its side."),
+        Beat(first(lambda run: run.com('egg')[:, 2] > 0.0255), "It slips a little at its foot, and that lifts it."),
+        Beat(first(lambda run: run.com('egg')[:, 2] > 0.0288), "It stands."),
+    ),
     why="A spinning egg that leans touches the table off the vertical through its middle, so its shell slides there. "
     "That friction acts across the axis, and as with any top the axis turns at right angles to the push: up. It goes "
     "slowly, because a fast spin keeps the gyroscopic moments in balance all the way. Then the angular momentum "
     "times the height hardly changes: the egg rises and its angular momentum falls, but its spin grows a little, as "
     "its moment of inertia is smallest on its end. A raw egg cannot, its inside does not spin along.",
     equation="Jellett, nearly: A W h = const;  C W_1 a = A W b",
+    symbols={
+        "W": Symbol("spin about the vertical", "rad/s", curve=(0, 2)),
+        "h": Symbol("height of the centre", "m", curve=(1, 2)),
+        "W_1": Symbol("spin when it stands", "rad/s"),
+        "a": Symbol("half length", "m", "a"),
+        "b": Symbol("half width", "m", "b"),
+        "A": Symbol("moment across", "kg m^2", lambda m, a, b: m * (a**2 + b**2) / 5),
+        "C": Symbol("moment along", "kg m^2", lambda m, b: 2 * m * b**2 / 5),
+    },
     source="Moffatt, Shimomura, Nature 416 (2002) 385; Moffatt, Shimomura, Branicki, Proc. R. Soc. A 460 (2004) 3643",
     quantities={
         "axis_height_cos": Quantity("cosine of the tilt at t", relative=1e-7),
@@ -111,4 +126,10 @@ demo = Demo(
     show={"curves": [("omega", "egg"), ("com", "egg")], "traces": [], "follow": "egg", "speed": 0.1},
     ranges={"mu": (0.18, 0.24), "tilt_deg": (80.0, 88.0), "spin": (150.0, 175.0), "a": (0.028, 0.031),
             "b": (0.0215, 0.0225), "t": (2.4, 2.8)},
+    sliders=(
+        Control("spin", 130.0, 180.0, "rad/s"),
+        Control("mu", 0.18, 0.24, "", "friction"),
+    ),
+    theory_moves=False,
+    attempt="spin it slower: it stands up later, or not at all.",
 )  # fmt: skip

@@ -6,7 +6,8 @@ from mbsd3d import DOP853, GROUND, Body, Contact, CustomForce, PointOnPlane, Sys
 from mbsd3d.rotations import matrix
 
 from ..figure import Line
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Beat, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import first
 from ..quadrature import cross, motion
 from ..rolling_stone import slid
 
@@ -131,12 +132,27 @@ demo = Demo(
     __name__,
     title="The tippe top",
     question="Why does a tippe top turn upside down and raise its own weight?",
+    beats=(
+        Beat(0.0, "Spun on its round belly."),
+        Beat(first(lambda run: run.body_axis("top", (0, 0, 1))[:, 2] < 0), "It lies down on its side ..."),
+        Beat(
+            first(lambda run: run.body_axis("top", (0, 0, 1))[:, 2] < -0.95),
+            "... and gets up onto its stem: its weight has been lifted.",
+        ),
+    ),
     why="The top's centre of mass lies below the centre of its sphere, so that it touches the table a little off its "
     "axis and slides there. Friction acts at right angles to the spin and, as with any top, moves the axis "
     "sideways: here upwards, until it stands on its stem. The lift takes energy from the spin. One combination "
     "of the angular momenta cannot change: that along the line from the centre of mass to the contact, whatever "
     "the friction: in proportion to the speed, as computed first, or dry, on a table that gives way.",
     equation="Jellett: L . (r e_z - a e) = const",
+    symbols={
+        "L": Symbol("angular momentum", "N m s"),
+        "r": Symbol("radius", "m", "r"),
+        "a": Symbol("centre of mass below the middle", "m", "a"),
+        "e": Symbol("axis of the top"),
+        "e_z": Symbol("upwards"),
+    },
     source="Cohen, Am. J. Phys. 45 (1977) 12; Bou-Rabee, Marsden, Romero, SIAM Review 50 (2008) 325; Jellett (1872)",
     quantities={
         "axis_height_cos": Quantity("cosine of the tilt at the end"),

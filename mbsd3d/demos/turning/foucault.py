@@ -4,13 +4,14 @@ import numpy as np
 
 from mbsd3d import GROUND, Body, Distance, Revolute, SpeedDriver, System, Weight, shapes, simulate
 
-from ..form import Ablation, Curve, Demo, Measured, Quantity, require
+from ..form import GRAVITY, Ablation, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 from ..quadrature import cross, motion
 
 G = 9.81  # m/s^2
 
 
-def mechanism(*, l=10.0, lat_deg=48.85, Omega_e=0.02, amp=1.0) -> System:
+def mechanism(*, l=10.0, lat_deg=48.85, Omega_e=0.03, amp=2.0) -> System:
     """Build a laboratory (x north, y west, z up) turning with the Earth; bob on a rod of l [m], released amp [m] to the
     north.
     """
@@ -56,9 +57,9 @@ def theory(*, l, lat_deg, Omega_e, amp, t):
     return {"north_m": north, "west_m": west}
 
 
-def measure(build, terms, *, l, lat_deg, Omega_e, amp, t=30.0) -> Measured:
+def measure(build, terms, *, l, lat_deg, Omega_e, amp, t=44.0) -> Measured:
     """Measure the position of the bob in the laboratory after t, and its path."""
-    run = simulate(build(), t, rtol=1e-13, output=np.linspace(0, t, 601), **terms)
+    run = simulate(build(), t, rtol=1e-13, output=np.linspace(0, t, 1001), **terms)
     north, west, _ = np.einsum("tji,tj->it", run.rotation("laboratory"), run.position("bob"))
     known = own(run.t, l=l, lat_deg=lat_deg, Omega_e=Omega_e, amp=amp)
     trail = Curve(
@@ -71,13 +72,35 @@ demo = Demo(
     __name__,
     title="Foucault's pendulum",
     question="How does a pendulum show that the Earth turns?",
+    beats=(
+        Beat(0.0, "The pendulum swings in one plane."),
+        Beat(22.0, "The floor has turned under it by 28 degrees."),
+        Beat(share(1.0), "57 degrees. The Earth has turned by 76."),
+    ),
     why="The pendulum keeps its plane as well as it can, and the floor turns under it. Only the part of the Earth's "
     "turn about the local vertical counts, sin(latitude) of it: a whole turn a day at the pole, none at the equator. "
     "Released at rest from the floor it does not pass through the middle, because it starts with the floor's own "
-    "sideways motion. (The Earth turns 270 times too fast here, so that half a minute is enough.)",
+    "sideways motion. (The Earth turns 410 times too fast here, so that the plane turns by 57 degrees in 44 s.)",
     equation="r'' = g - 2 W x r' - W x (W x r) - k r; small swings turn at -W sin(lat)",
+    symbols={
+        "r": Symbol("place of the bob", "m", curve=(0, 0)),
+        "W": Symbol("turn of the Earth, much quickened", "rad/s", "Omega_e"),
+        "g": GRAVITY,
+        "k": Symbol("pull of the wire, over mass and length", "1/s^2"),
+    },
     source="Landau, Lifshitz, Mechanics, par. 39; Foucault (1851)",
     quantities={"north_m": Quantity("place at t, north", "m"), "west_m": Quantity("place at t, west", "m")},
     ablation=Ablation("rotation", "on an Earth at rest it swings to and fro in one plane", {"Omega_e": 0.0}),
-    show={"curves": [("position", "bob")], "traces": [("bob", (1, 0, -9.95))]},
+    show={
+        "curves": [("position", "bob")],
+        "traces": [("bob", (1, 0, -9.95), "laboratory")],
+        "follow": "laboratory",
+        "view": (-60, 40),
+    },
+    sliders=(
+        Control("lat_deg", 10.0, 80.0, "deg", "latitude"),
+        Control("Omega_e", 0.005, 0.06, "rad/s", "rate of the Earth"),
+    ),
+    theory_moves=False,
+    attempt="go towards the equator: the plane turns ever more slowly. Towards the pole it turns with the Earth.",
 )

@@ -4,7 +4,8 @@ import numpy as np
 
 from mbsd3d import GROUND, AngleDriver, Body, Kinematic, Parallel, Ramp, Revolute, System, shapes, simulate
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Against, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 
 SAMPLES = 401  # odd: the culmination is among them
 
@@ -59,14 +60,28 @@ demo = Demo(
     __name__,
     title="Gimbal lock",
     question="Why may a camera or a telescope not look at the zenith?",
+    beats=(
+        Beat(0.0, "The target passes at an even pace."),
+        Beat(1.3, "It comes near the zenith ..."),
+        Beat(share(0.5), "... and the mount whips half round."),
+    ),
     why="Two axes are enough to look anywhere, but at the zenith the line of sight lies along the outer axis, and a "
     "turn about it moves nothing. A target that passes close by must be followed by swinging round half a "
     "revolution while it crosses the gap: the closer, the faster, without limit. No third coordinate helps; "
     "every pair of angles has such poles.",
     equation="rate of the outer axis = w sin(miss) / (1 - cos^2(miss) sin^2(w t)) <= w / sin(miss)",
+    symbols={
+        "w": Symbol("rate of the target", "rad/s", "w"),
+        "t": Symbol("time", "s"),
+    },
     source="Hughes, Spacecraft Attitude Dynamics, ch. 2; Wie, Space Vehicle Dynamics and Control, 5.2",
     quantities={"outer_rate_peak_rad_s": Quantity("greatest rate of the outer axis", "rad/s")},
     ablation=Ablation("zenith", "on a pass along the horizon the rate is w", {"miss_deg": 90.0}),
     against=Against("miss_deg", 2.0, 90.0, "miss of the zenith [deg]"),
     show={"curves": [("rate", "azimuth"), ("angle", "height")], "traces": [("line of sight", (1.5, 0, 0))]},
+    sliders=(
+        Control("miss_deg", 2.0, 90.0, "deg", "miss of the zenith", logarithmic=True),
+        Control("w", 0.5, 1.0, "rad/s", "rate of the line of sight"),
+    ),
+    attempt="pass nearer to the zenith: the outer axis has to go round faster, without limit.",
 )

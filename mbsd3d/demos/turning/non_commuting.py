@@ -4,7 +4,8 @@ import numpy as np
 
 from mbsd3d import GROUND, Body, Joint, Pulse, SpeedDriver, Spherical, System, shapes, simulate
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity
+from ..form import Ablation, Against, Beat, Control, Curve, Demo, Measured, Quantity, Symbol
+from ..moments import share
 
 EDGE_SECONDS, TURN_SECONDS = 0.2, 1.0  # s, of the rise and of each turn
 BOOK_SHAPES = (shapes.Box((0.5, 0.08, 0.7)), shapes.Box((0.04, 0.085, 0.705), at=(-0.23, 0, 0), colour="orangered"))
@@ -55,14 +56,28 @@ demo = Demo(
     __name__,
     title="Turning does not commute",
     question="Does the order of two quarter turns matter?",
+    beats=(
+        Beat(0.0, "The same two quarter turns, in two orders."),
+        Beat(share(0.5), "Now the other one."),
+        Beat(share(1.0), "The books end 120 degrees apart."),
+    ),
     why="Steps along x and y can be taken in any order, turns about x and y cannot: the first turn carries the "
     "book's own axes away before the second one comes. Two quarter turns in the two orders end a third of a "
     "revolution apart. That is why an orientation has no three coordinates that simply add up, and why this "
     "program uses quaternions.",
     equation="cos(angle/2) = 1 - 2 sin^2(a/2) sin^2(b/2); 90 and 90 degrees: 120 degrees",
+    symbols={
+        "a": Symbol("turn about x", "deg", "a_deg"),
+        "b": Symbol("turn about y", "deg", "b_deg"),
+    },
     source="Altmann, Rotations, Quaternions and Double Groups; Goldstein, Classical Mechanics, 4.8",
     quantities={"angle_between_deg": Quantity("angle between the two books", "deg", relative=1e-8, absolute=1e-9)},
     ablation=Ablation("second-axis", "a single turn has no order", {"b_deg": 0.0}),
     against=Against("b_deg", 0.0, 180.0, "second turn [deg]"),
     show={"curves": [("omega", "x then y"), ("omega", "y then x")], "traces": []},
+    sliders=(
+        Control("a_deg", 10.0, 150.0, "deg", "turn about x"),
+        Control("b_deg", 10.0, 150.0, "deg", "turn about y"),
+    ),
+    attempt="make both turns small: the order hardly matters. Make them half turns: it is opposite.",
 )

@@ -4,7 +4,7 @@ import numpy as np
 
 from mbsd3d import GROUND, Body, Distance, System, measures, shapes, simulate
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+from ..form import GRAVITY, Ablation, Against, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
 from ..quadrature import swing
 from ..runs import next_turn
 
@@ -16,7 +16,7 @@ def mechanism(*, l=1.0, theta_deg=60.0, phi_rate=1.5) -> System:
     angle = np.radians(theta_deg)
     place = l * np.array([np.sin(angle), 0, -np.cos(angle)])
     side = (0, phi_rate * l * np.sin(angle), 0)
-    bob = Body("bob", 1.0, (1e-3, 1e-3, 1e-3), position=place, velocity=side, shape=shapes.Sphere(0.08 * l))
+    bob = Body("bob", 1.0, (1e-3, 1e-3, 1e-3), position=place, velocity=side, shape=shapes.Sphere(0.12 * l))
     return System([bob], [Distance(GROUND, bob, at_a=(0, 0, 0), at_b=place, name="rod")], gravity=(0, 0, -G))
 
 
@@ -66,11 +66,29 @@ demo = Demo(
     __name__,
     title="The ellipse that turns",
     question="Why does a pendulum's ellipse slowly turn?",
+    beats=(
+        Beat(0.0, "Farthest out."),
+        Beat(0.5392, "Nearest. In a plane ellipse this would be 90 degrees on: it is 105."),
+        Beat(1.0785, "Farthest again, past where it began by 29 degrees."),
+    ),
     why="For small swings a pendulum has the same period in all directions, and its path closes. Wide swings are "
     "slower, so between its greatest and its least distance the bob goes round by more than a quarter turn "
     "(always by more: Puiseux). What has not come round after one swing is added at the next, and the ellipse "
     "becomes a rosette.",
     equation="u'^2 = 2 (E + g l u)(1 - u^2)/l^2 - h^2/l^4; phi' = h/(l^2 (1 - u^2)); u = cos theta",
+    symbols={
+        "u": Symbol("cosine of the angle; the height of the bob is -l u", "m", curve=(0, 2)),
+        "theta": Symbol("angle at the start", "deg", "theta_deg"),
+        "phi": Symbol("direction from above; its rate at the start", "rad/s", "phi_rate"),
+        "l": Symbol("length", "m", "l"),
+        "g": GRAVITY,
+        "h": Symbol(
+            "twice the area swept each second",
+            "m^2/s",
+            lambda l, theta_deg, phi_rate: l**2 * float(np.sin(np.radians(theta_deg))) ** 2 * phi_rate,
+        ),
+        "E": Symbol("energy per kilogram", "m^2/s^2"),
+    },
     source="Whittaker, Analytical Dynamics, par. 55; Landau, Lifshitz, Mechanics, par. 14",
     quantities={
         "half_nutation_s": Quantity("time from the farthest to the nearest place", "s"),
@@ -81,4 +99,10 @@ demo = Demo(
     ),  # fmt: skip
     against=Against("theta_deg", 5.0, 60.0, "angle at the start [deg]"),
     show={"curves": [("position", "bob")], "traces": [("bob", (0.866, 0, -0.5))]},
+    sliders=(
+        Control("theta_deg", 10.0, 80.0, "deg", "angle at the start"),
+        Control("phi_rate", 0.5, 3.0, "rad/s", "push sideways"),
+    ),
+    readings={"half_nutation_s": ("turning", 0, 2)},
+    attempt="start at 10 degrees: the ellipse nearly closes. Start at 80, and it turns by a fifth with every swing.",
 )

@@ -4,7 +4,8 @@ import numpy as np
 
 from mbsd3d import GROUND, AngleDriver, Body, Kinematic, Parallel, Ramp, Revolute, System, shapes, simulate
 
-from ..form import Ablation, Against, Curve, Demo, Measured, Quantity, require
+from ..form import Ablation, Against, Beat, Control, Curve, Demo, Measured, Quantity, Symbol, require
+from ..moments import share
 
 SAMPLES = 401  # odd: the pose nearest to the straight one is among them
 JOINT_PLACE = {"at": (0, 0, 0)}  # the axes of a wrist meet
@@ -86,12 +87,22 @@ demo = Demo(
     __name__,
     title="A stretched robot wrist",
     question="Why does a robot that moves its hand slowly and evenly suddenly whip its wrist round?",
+    beats=(
+        Beat(0.0, "The hand turns slowly and evenly."),
+        Beat(1.3, "Two axes are nearly in line ..."),
+        Beat(share(0.5), "... and the wrist whips round, 19 times as fast as the hand."),
+    ),
     why="A wrist has three axes, and when it stretches out, the first and the last become one: then three motors turn "
     "the hand about two axes only. Just before that, a turn about the lost direction is still possible, as a small "
     "difference of two large turns in opposite senses. Their greatest rates go as one over the least bend, without "
     "limit. `check()` sees it coming: it calls a pose from which little is missing nearly singular and names the two "
     "axes, and in the stretched pose itself one row is lost. Controllers keep away from both.",
     equation="q_4' = w sin(miss) / sin^2(bend); q_6' = -q_4' cos(bend); miss <= bend",
+    symbols={
+        "q_4": Symbol("axis 4; its rate", "rad/s", curve=(0, 0)),
+        "q_6": Symbol("axis 6; its rate", "rad/s", curve=(1, 0)),
+        "w": Symbol("turning of the hand", "rad/s", "w"),
+    },
     source="Siciliano, Sciavicco, Villani, Oriolo, Robotics: Modelling, Planning and Control (wrist singularities)",
     quantities={
         "axis4_peak_rad_s": Quantity("greatest rate of axis 4", "rad/s"),
@@ -101,4 +112,6 @@ demo = Demo(
     ablation=Ablation("nearness", "a path that keeps away by 60 degrees asks for little", {"miss_deg": 60.0}),
     against=Against("miss_deg", 2.0, 88.0, "least bend of the wrist [deg]"),
     show={"curves": [("rate", "axis 4"), ("rate", "axis 6")], "traces": [("hand", (0, 0, 0.34))]},
+    sliders=(Control("miss_deg", 2.0, 60.0, "deg", "miss of the straight wrist", logarithmic=True),),
+    attempt="pass farther from the straight wrist: the whip becomes a slow turn.",
 )

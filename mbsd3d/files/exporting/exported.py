@@ -10,7 +10,11 @@ import numpy as np
 from ...base.checks import as_tuple, short_repr
 from ...base.errors import InputError
 from ...base.paths import as_path, write_atomically
+from ...base.style import html_text
+from ...base.wording import counted
+from ...mechanism.forces.springs import JointFriction, TorsionSpring
 from ...mechanism.joints import Joint
+from ...mechanism.joints.pairs import Prismatic, Revolute
 from ...mechanism.limits import Limit
 from ...mechanism.mechanism import Mechanism
 from ..importing.imported import Point
@@ -29,7 +33,8 @@ class Exported(NamedTuple):
     ``text``: the whole file; ``path``: where it was written, or None. ``frames``: name of a body of the file -> body of
     the system, and origin and axes of its frame in that body. ``soft``: joints that hold exactly here and by springs
     there. ``inactive``: what was left out for the caller, or does nothing here and is watched only. ``said``: what the
-    export had to choose.
+    export had to choose. ``meshes``: name of an OBJ file -> its text, of shapes that the format has no solid for; they
+    are written beside the file.
 
     Examples
     --------
@@ -47,11 +52,19 @@ class Exported(NamedTuple):
     soft: tuple[str, ...] = ()
     inactive: tuple[str, ...] = ()
     said: tuple[str, ...] = ()
+    meshes: dict[str, str] = {}  # noqa: RUF012 - given anew by every export
+
+    def __repr__(self) -> str:
+        return f"<exported: {self}>"
+
+    def _repr_html_(self) -> str:
+        return html_text(str(self))
 
     def __str__(self) -> str:
         parts = [f"'{self.path}'" if self.path else f"{len(self.text)} characters"]
         parts += [f"soft: {', '.join(self.soft)}"] if self.soft else []
         parts += [f"inactive: {', '.join(self.inactive)}"] if self.inactive else []
+        parts += [counted(len(self.meshes), "mesh file")] if self.meshes else []
         return "; ".join([*parts, *self.said])
 
 
@@ -71,7 +84,7 @@ def without(system: Mechanism, leave_out: Sequence[Any]) -> tuple[Mechanism, tup
         part = by_name.get(wanted) if isinstance(wanted, str) else known.get(id(wanted))
         if part is None:
             have = ", ".join(f"'{name}'" for name in by_name) or "none"
-            raise InputError(f"leave_out: {short_repr(wanted)} is no joint or force of the system; there are {have}")
+            raise InputError(f"leave_out: {short_repr(wanted)} is not a joint or force of the system; there are {have}")
         gone.add(id(part))
     if not gone:
         return system, ()
@@ -113,6 +126,53 @@ def range_of(limits: Sequence[Limit]) -> tuple[float, float] | None:
     return lower, min(UNLIMITED_RANGE if limit.upper is None else limit.upper for limit in limits)
 
 
+class Loads(NamedTuple):
+    """Spring and damper of a hinge or slider: -stiffness (x - rest) - damping x_dot."""
+
+    stiffness: float
+    rest: float
+    damping: float
+
+
+def loads_of(system: Mechanism, joint: Joint) -> Loads:
+    """Return what springs, dampers and viscous friction on a joint add up to: -k1 (x - x1) - k2 (x - x2) is one."""
+    on = [x for x in system.forces if isinstance(x, TorsionSpring | JointFriction) and x.hinge is joint]
+    springs = [x for x in on if isinstance(x, TorsionSpring) and x.stiffness]
+    stiffness = sum(x.stiffness for x in springs)
+    rest = sum(x.stiffness * x.angle for x in springs) / stiffness if springs else 0.0
+    return Loads(stiffness, rest, sum(x.viscous if isinstance(x, JointFriction) else x.damping for x in on))
+
+
+def foreign_loads(system: Mechanism, what: str, springs: bool) -> list[tuple[Any, str]]:
+    """Return the forces that are not dampers (or ``springs``) of hinges and sliders, with the reason."""
+    found: list[tuple[Any, str]] = []
+    for force in system.forces:
+        known = isinstance(force, TorsionSpring) and (springs or force.stiffness == 0.0)
+        known |= isinstance(force, JointFriction) and force.coulomb == 0.0
+        if not known:
+            found.append((force, f"the format has {what} of joints only"))
+        elif not isinstance(force.hinge, Revolute | Prismatic):  # type: ignore[attr-defined]
+            found.append((force, f"the format has {what} of hinges and sliders only"))
+    return found
+
+
+def foreign_rotors(system: Mechanism) -> list[tuple[Any, str]]:
+    """Return the joints with a reflected inertia, which URDF and SDF have no element for."""
+    with_rotor = [joint for joint in system.joints if any(inertia for _, inertia in joint.reflected())]
+    return [(joint, "its reflected inertia has no place in the format; set it to 0") for joint in with_rotor]
+
+
+def moments_of(inertia: np.ndarray) -> dict[str, str]:
+    """Return the entries of an inertia by the names that URDF and SDF have for them."""
+    pairs = [(a, b) for a in range(3) for b in range(a, 3)]
+    return {f"i{'xyz'[a]}{'xyz'[b]}": numbers(inertia[a, b]) for a, b in pairs}
+
+
+def not_written(system: Mechanism) -> list[str]:
+    """Return the limits that are not those of hinges and sliders."""
+    return [limit.what() for limit in system.limits if not isinstance(limit.joint, Revolute | Prismatic)]
+
+
 def roll_pitch_yaw(R: np.ndarray) -> np.ndarray:
     """Return the angles of R = Rz(yaw) Ry(pitch) Rx(roll) [rad].
 
@@ -132,10 +192,13 @@ def xml_text(root: ElementTree.Element) -> str:
 
 
 def written(made: Exported, path: str | Path | None, suffixes: Sequence[str], replace: bool) -> Exported:
-    """Write a text to its file, whole or not at all; without a path it stays a text."""
+    """Write a text to its file, whole or not at all, and the meshes it names; without a path it stays a text."""
     if path is None:
         return made
     place = as_path(path, f"model{suffixes[0]}")
     if place.suffix.lower() not in suffixes:
         raise InputError(f"'{place}': the name does not end in {' or '.join(suffixes)}; give one that does")
-    return made._replace(path=write_atomically(place, made.text.encode(), replace=replace))
+    made = made._replace(path=write_atomically(place, made.text.encode(), replace=replace))
+    for name, text in made.meshes.items():  # a name is that of its content: what is there is the same
+        write_atomically(place.parent / name, text.encode())
+    return made

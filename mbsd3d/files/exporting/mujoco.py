@@ -24,13 +24,19 @@ from ...mechanism.joints.pairs import Fixed, Prismatic, Revolute, Spherical
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.primitives import Coordinate
 from ...mechanism.signals import Constant
+from ...mechanism.state import State
 from .exported import WHOLE, Exported, NotExportable, add, called, numbers, refuse, without, xml_text
 from .layout import PARALLEL_TOLERANCE, TABLE, Layout, Piece, Placed, Z, lay_out
+from .layout import Coordinate as LayoutCoordinate
+from .looks import Look, Looks, start_of
 
 INERTIA_MIN = 1e-14  # [kg m^2] moments of inertia MuJoCo still takes
 INERTIA_ROUNDING = 1e-14  # [m L^2] of mass and length of the model: moments of inertia that matter to no digit
 RAISED_INERTIA_RATIO = 1e-9  # [1] of m L^2: a moment of inertia that may be raised to `INERTIA_MIN`
 LOCKED_SOLIMP = (0.9999, 0.9999, 1e-3, 0.5, 2.0)  # solimp: the stiffest that MuJoCo admits, at any residual
+FIT_TOLERANCE = 1e-9  # [m, 1] by which a body may be off its reference pose where all coordinates are zero: rounding
+MUJOCO_SIZES = {"box": 0.5, "sphere": 1.0, "cylinder": (1.0, 0.5), "capsule": (1.0, 0.5), "ellipsoid": 1.0}
+"""Solids of the format and the factors of their sizes: half edges, half lengths."""
 STEP_SECONDS = 1e-3  # [s] step of the file: tens of steps in a period of 20 Hz
 SOLREF = (16 * STEP_SECONDS, 0.5)  # [s, 1] solref: from 16 steps on, positions and velocities are of second order
 
@@ -68,6 +74,10 @@ class MujocoTree(Placed):
             names = [self.add_site(one, np.zeros(3)) for one in halves]
             self.hold("weld", piece.joint, f"whole {piece.name}", site1=names[0], site2=names[1])
         for joint in self.layout.closing:
+            if joint.reflected():
+                name = self.system.name(joint)
+                text = f"joint '{name}': it closes a loop, and MuJoCo has armature in the tree only"
+                raise NotExportable(f"{text}; give its reflected inertia to another joint")
             self.closures[id(joint)] = self.close(joint)
 
     def main(self, body: Any) -> Element:
@@ -91,9 +101,7 @@ class MujocoTree(Placed):
         self.place(piece)
         if piece.number in self.weightless:
             return
-        line, parent = [piece], piece.parent
-        while parent is not None and parent.number in self.weightless:
-            line, parent = [parent, *line], parent.parent
+        line, parent = self.line_of(piece)
         above = self.world if parent is None else self.elements[parent.name]
         r, R = self.relative(piece, parent)
         place = {"pos": numbers(r), "quat": numbers(quaternion_from_matrix(R))}
@@ -103,12 +111,24 @@ class MujocoTree(Placed):
             add(child, "joint", name=piece.title, type="free")
             return
         for each in line:
-            r, R = self.relative(each, piece)
-            for x in self.coordinates(each):
-                place = {"pos": numbers(r + R @ x.at)} | ({} if x.kind == "ball" else {"axis": numbers(R @ x.axis)})
-                rotor = sum(inertia for _, inertia in each.joint.reflected()) if each.joint else 0.0
+            for x in self.coordinates_in(piece, each):
+                place = {"pos": numbers(x.at)} | ({} if x.kind == "ball" else {"axis": numbers(x.axis)})
+                rotors = [inertia for _, inertia in each.joint.reflected()] if each.joint else []
+                rotor = max(rotors, default=0.0)  # of a ball the same about all three axes
                 place |= {"armature": numbers(rotor)} if rotor else {}
                 self.elements[f"joint {x.name}"] = add(child, "joint", name=x.name, type=x.kind, **place)
+
+    def line_of(self, piece: Piece) -> tuple[list[Piece], Piece | None]:
+        """Return the pieces whose joints a body has there, the outermost first, and the body that carries it."""
+        line, parent = [piece], piece.parent
+        while parent is not None and parent.number in self.weightless:
+            line, parent = [parent, *line], parent.parent
+        return line, parent
+
+    def coordinates_in(self, piece: Piece, each: Piece) -> list[LayoutCoordinate]:
+        """Return the coordinates of a piece of the line of another one, in the axes of that one."""
+        r, R = self.relative(each, piece)
+        return [x._replace(at=r + R @ x.at, axis=R @ x.axis) for x in self.coordinates(each)]
 
     def weigh(self, child: Element, body: Body) -> None:
         """Set a share of mass and inertia about the centre of mass; principal axes are computed here, MuJoCo would to
@@ -254,8 +274,67 @@ def write_mjcf(system: Mechanism, leave_out: Sequence[Any]) -> Exported:
     said += [f"rods of two hinges and a ball, lost where they turn by 90 degrees: {', '.join(rods)}"] if rods else []
     there = [piece for piece in tree.layout.pieces if piece.name in tree.elements]
     frames = {piece.name: WHOLE._replace(body=piece.body.name) for piece in there}
+    looks = Looks(tuple(MUJOCO_SIZES))
+    for piece in there:
+        if tree.layout.main[id(piece.body)] is piece:
+            draw(tree, piece.name, looks.of(piece.body))
+    start, why = start_of(kept)
+    why += write_start(tree, start) if start else []
     inactive = [*gone, *(limit.what() for limit in kept.limits)]
-    return Exported(xml_text(tree.root), None, frames, soft, tuple(inactive), tuple(said))
+    said += [*why, *looks.missing]
+    return Exported(xml_text(tree.root), None, frames, soft, tuple(inactive), tuple(said), looks.meshes)
+
+
+def draw(tree: MujocoTree, name: str, looks: Sequence[Look]) -> None:
+    """Write the shapes of a body as geoms that touch nothing; its mass is given."""
+    for look in looks:
+        given = {"type": look.kind, "pos": numbers(look.r), "quat": numbers(quaternion_from_matrix(look.R))}
+        given |= {"rgba": look.rgba} if look.rgba else {}
+        if look.kind == "mesh":
+            assets = tree.root.find("asset")
+            assets = add(tree.root, "asset") if assets is None else assets
+            if all(mesh.get("file") != look.file for mesh in assets):
+                add(assets, "mesh", name=look.file, file=look.file, inertia="shell")
+            given["mesh"] = look.file
+        else:
+            given["size"] = numbers(MUJOCO_SIZES[look.kind] * np.array(look.sizes))
+        add(tree.elements[name], "geom", **given, contype="0", conaffinity="0", group="1")
+
+
+def write_start(tree: MujocoTree, start: State) -> list[str]:
+    """Write the velocities at the start as a key frame, or say why not.
+
+    The pose is that of the file, qpos0. The coordinates of a body add up to its motion relative to its parent:
+    ``w = w_p + sum a x_dot`` of hinges, ``v = v_p + w_p x (r - r_p) + sum (a x_dot, of hinges a x (r - at) x_dot)``.
+    """
+    system, rates = tree.system, {}
+    motion = {id(body): v for body, v in zip(system.bodies, start.v.reshape(-1, 6), strict=True)}
+    for piece in tree.layout.pieces:
+        if piece.number in tree.weightless:
+            continue
+        (r, R), (v, w) = tree.poses[piece.number], np.split(motion[id(piece.body)], 2)
+        if np.abs(r - piece.body.position).max() > FIT_TOLERANCE or np.abs(R - piece.body.axes).max() > FIT_TOLERANCE:
+            return ["velocities at the start are not written: joints are open at the reference pose"]
+        if piece.joint is None:
+            rates[piece.title] = [*v, *(R.T @ w)]
+            continue
+        line, parent = tree.line_of(piece)
+        if parent is not None:
+            (r_p, _), (v_p, w_p) = tree.poses[parent.number], np.split(motion[id(parent.body)], 2)
+            v, w = v - v_p - np.cross(w_p, r - r_p), w - w_p
+        columns, names = [], []
+        for x in (x for each in line for x in tree.coordinates_in(piece, each)):
+            for axis in R.T if x.kind == "ball" else [R @ x.axis]:
+                turns = np.zeros(3) if x.kind == "slide" else axis
+                along = axis if x.kind == "slide" else np.cross(axis, -R @ x.at)
+                columns.append(np.concatenate([along, turns]))
+                names.append(x.name)
+        solved = np.linalg.lstsq(np.array(columns).T, np.concatenate([v, w]))[0] if columns else []
+        for name, rate in zip(names, solved, strict=True):
+            rates.setdefault(name, []).append(rate)
+    ordered = [rates[str(joint.get("name"))] for joint in tree.world.iter("joint")]
+    add(add(tree.root, "keyframe"), "key", name="start", qvel=numbers(np.concatenate(ordered)))
+    return []
 
 
 def foreign_joints(system: Mechanism) -> list[tuple[Any, str]]:

@@ -11,7 +11,6 @@ import numpy as np
 
 from ...base.fields import true_or_false
 from ...mechanism.bodies import Body
-from ...mechanism.forces.springs import JointFriction, TorsionSpring
 from ...mechanism.joints import Joint
 from ...mechanism.joints.pairs import Cylindrical, Fixed, Planar, Prismatic, Revolute, Spherical, Universal
 from ...mechanism.mechanism import Mechanism
@@ -22,6 +21,11 @@ from .exported import (
     NotExportable,
     add,
     called,
+    foreign_loads,
+    foreign_rotors,
+    loads_of,
+    moments_of,
+    not_written,
     numbers,
     range_of,
     refuse,
@@ -30,10 +34,12 @@ from .exported import (
     xml_text,
 )
 from .layout import Layout, Piece, Placed, lay_out
+from .looks import Look, Looks, start_of
 
 DIRECT = (Revolute, Prismatic, Fixed, Planar)
 BY_MASSLESS_LINKS = (Spherical, Universal, Cylindrical)
 URDF_KINDS = {"hinge": "continuous", "slide": "prismatic"}
+LOOK_KINDS = ("box", "sphere", "cylinder")  # the solids of the format
 STANDARD_GRAVITY = np.array([0.0, 0.0, -9.81])  # [m/s^2] that readers of URDF take
 BALL_AXES = np.eye(3)  # of the three hinges in a row that stand for a ball; they lock where the second turns by 90 deg
 
@@ -60,7 +66,28 @@ def write_urdf(system: Mechanism, leave_out: Sequence[Any], massless: bool) -> E
         said.append(f"gravity {kept.gravity.tolist()} m/s^2 has no place in URDF: set it where the file is read")
     else:
         said.append("gravity has no place in URDF: readers set 9.81 m/s^2 along -z")
-    return Exported(xml_text(tree.root), None, tree.frames, (), gone, tuple(said))
+    moves, why_not = start_of(kept)
+    said += ["velocities at the start have no place in URDF"] if moves or why_not else []
+    said += tree.looks.missing
+    inactive = (*gone, *not_written(kept))
+    return Exported(xml_text(tree.root), None, tree.frames, (), inactive, tuple(said), tree.looks.meshes)
+
+
+def write_look(link: Element, look: Look, origin: np.ndarray) -> None:
+    """Write a shape of a link, whose frame has its origin elsewhere in the body."""
+    visual = add(link, "visual")
+    add(visual, "origin", xyz=numbers(look.r - origin), rpy=numbers(roll_pitch_yaw(look.R)))
+    geometry = add(visual, "geometry")
+    match look.kind:
+        case "box":
+            add(geometry, "box", size=numbers(look.sizes))
+        case "mesh":
+            add(geometry, "mesh", filename=look.file)
+        case _:
+            sizes = dict(zip(("radius", "length"), map(numbers, look.sizes), strict=False))
+            add(geometry, look.kind, **sizes)
+    if look.rgba:
+        add(add(visual, "material", name=f"colour {look.rgba}"), "color", rgba=look.rgba)
 
 
 def foreign(system: Mechanism) -> list[tuple[Any, str]]:
@@ -69,14 +96,7 @@ def foreign(system: Mechanism) -> list[tuple[Any, str]]:
     for joint in system.joints:
         if type(joint) not in DIRECT + BY_MASSLESS_LINKS:
             found.append((joint, "the format has no such joint"))
-    for force in system.forces:
-        damps = isinstance(force, TorsionSpring) and force.stiffness == 0.0
-        damps |= isinstance(force, JointFriction) and force.coulomb == 0.0
-        if not damps:
-            found.append((force, "the format has dampers of joints only"))
-        elif not isinstance(force.hinge, Revolute | Prismatic):  # type: ignore[attr-defined]
-            found.append((force, "the format has dampers of hinges and sliders only"))
-    return found
+    return found + foreign_rotors(system) + foreign_loads(system, "dampers", springs=False)
 
 
 class UrdfTree(Placed):
@@ -87,6 +107,7 @@ class UrdfTree(Placed):
         self.root = Element("robot", name=layout.system.title or "mbsd3d")
         self.frames: dict[str, Point] = {}
         self.said: list[str] = []
+        self.looks = Looks(LOOK_KINDS)
         self.names = {piece.name for piece in layout.pieces} | {"world"}
 
     def build(self) -> None:
@@ -154,14 +175,14 @@ class UrdfTree(Placed):
     def link(self, name: str, body: Body, origin: np.ndarray) -> None:
         """Write a link with its mass."""
         link = add(self.root, "link", name=name)
+        for look in self.looks.of(body):
+            write_look(link, look, origin)
         if body.mass == 0.0 and not np.any(body.inertia):
             return
         inertial = add(link, "inertial")
         add(inertial, "origin", xyz=numbers(body.com - origin), rpy="0 0 0")
         add(inertial, "mass", value=numbers(body.mass))
-        I = body.inertia
-        values = {f"i{a}{b}": I["xyz".index(a), "xyz".index(b)] for a, b in ("xx", "xy", "xz", "yy", "yz", "zz")}
-        add(inertial, "inertia", **{key: numbers(x) for key, x in values.items()})
+        add(inertial, "inertia", **moments_of(body.inertia))
 
     def connect(
         self, name: str, kind: str, above: Piece | str | None, piece: Piece, link: str, *,
@@ -185,11 +206,7 @@ class UrdfTree(Placed):
         """Write dampers and limits of a hinge or slider; a slider has limits always."""
         system = self.layout.system
         single = [joint] if isinstance(joint, Revolute | Prismatic) else []
-        damping = sum(
-            force.viscous if isinstance(force, JointFriction) else force.damping
-            for force in system.forces
-            if isinstance(force, JointFriction | TorsionSpring) and force.hinge in single
-        )
+        damping = loads_of(system, single[0]).damping if single else 0.0
         if damping:
             add(element, "dynamics", damping=numbers(damping))
         ends = range_of([limit for limit in system.limits if limit.joint in single])

@@ -10,7 +10,7 @@ import numpy as np
 from ...base.errors import InputError
 from ...base.mass_properties import TRIANGLE_RULE_TOLERANCE, MassProperties, put_together
 from ...base.rotations import conjugate, matrix, multiply
-from ...base.style import counted
+from ...base.wording import counted, with_article
 from ...mechanism.bodies import GROUND, Body
 from ...mechanism.couplings import COORDINATES_COUNT, SLOTS_COUNT, Coupler, Gear, RackPinion
 from ...mechanism.drivers import AngleDriver, SlideDriver
@@ -19,33 +19,56 @@ from ...mechanism.forces.applied import Force
 from ...mechanism.forces.between import ForceBetween, TorqueBetween
 from ...mechanism.forces.brake import Brake
 from ...mechanism.forces.bushing import Bushing
-from ...mechanism.forces.end_stop import EndStop
+from ...mechanism.forces.cone_stop import RotationStop
+from ...mechanism.forces.end_stop import EndStop, Stop
 from ...mechanism.forces.fluid_drag import FluidDrag
 from ...mechanism.forces.rotation_spring import RotationSpring
 from ...mechanism.forces.springs import TorsionSpring
-from ...mechanism.forces.sum_spring import SumSpring
+from ...mechanism.forces.sum_spring import SumSpring, SumStop
 from ...mechanism.joints import Joint
-from ...mechanism.joints.pairs import Fixed, Spherical
+from ...mechanism.joints.pairs import Fixed, Prismatic, Spherical
 from ...mechanism.limits import Limit
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes.shape import Shape
-from ...mechanism.shapes.solids import Box, Capsule, Cylinder, Ellipsoid, MeshFile, Sphere
+from ...mechanism.shapes.solids import Box, Capsule, Cylinder, Ellipsoid, Hull, MeshFile, Sphere
 from ...mechanism.shapes.triangles import MESH_SUFFIXES, check_mesh
 from ...mechanism.signals.signal import Input, Signal
 from .facts import Facts, carried, felt_inertia, length_of
 from .imported import Imported, NotBuilt, Point, grouped, judged
-from .joints import Frame, acts_along, check_independent, has_coordinate, joint_of, state_of
+from .joints import (
+    Frame,
+    Term,
+    acts_along,
+    bodies_of,
+    check_independent,
+    has_coordinate,
+    joint_of,
+    next_to_merge,
+    parts_of,
+    state_of,
+)
 
 MOMENT_ROUNDING = 1e-12  # [m L^2] of mass and extent of the model: a negative principal moment that is rounding
 MESH_BYTES_MAX = 50_000_000  # [bytes] of all mesh files that are drawn: some seconds
 BRAKE_YIELD = 1e-3  # [rad, m] that a brake for dry friction yields before it slips
 STOP_RATE = 300.0  # [rad/s] of what a stop holds, damped critically: a contact of some 10 ms
+CONE_CORNERS = 24  # [1] of the base of a cone that is drawn
+
+
+def cone_corners(radius: float, half: float) -> np.ndarray:
+    """Return the base and the tip of a cone along z, about the middle between them."""
+    turn = 2.0 * np.pi * np.arange(CONE_CORNERS) / CONE_CORNERS
+    base = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), np.full(CONE_CORNERS, -half)])
+    return np.vstack([base, (0.0, 0.0, half)])
+
+
 SHAPES_BY_KIND: dict[str, tuple[type[Shape], Callable[[float, float, float], tuple[Any, ...]]]] = {
     "box": (Box, lambda a, b, c: ((2 * a, 2 * b, 2 * c),)),
     "sphere": (Sphere, lambda a, b, c: (a,)),
     "capsule": (Capsule, lambda a, b, c: (a, 2 * b)),
     "cylinder": (Cylinder, lambda a, b, c: (a, 2 * b)),
     "ellipsoid": (Ellipsoid, lambda a, b, c: ((a, b, c),)),
+    "cone": (Hull, lambda a, b, c: (cone_corners(a, b),)),
 }
 """Kinds of geometry with a shape of their own, and its sizes."""
 
@@ -118,8 +141,10 @@ class Builder:
             self.actuate(actuator)
         if brakes := sum(isinstance(force, Brake) for force in self.forces):
             self.said.append(f"dry friction of {counted(brakes, 'joint')} yields by {BRAKE_YIELD:g} rad or m at rest")
-        if stops := sum(isinstance(force, EndStop) for force in self.forces):
+        if stops := sum(isinstance(force, Stop) for force in self.forces):
             self.said.append(f"{counted(stops, 'stop')}, which a speed v enters by v / {STOP_RATE:g} s or less")
+        if sliders := sum(bool(frame.slide) for frame in self.frames):
+            self.said.append(f"joints of tendons are added up by {counted(sliders, 'body')} without mass")
         verdict = judged(self.not_built, self.choices.leave_out, self.choices.strict)
         if len(self.bodies) == 1:
             raise InputError("no body of it can move; give one a joint")
@@ -260,7 +285,9 @@ class Builder:
             frames.append(Frame(outer, i, tuple(places[n + 1 :])))
             made = joint_of(inner, outer, [part], self.name(part["name"], "joint"))
             if made is None:
-                raise InputError(f"{self.called(body.name)}: a {part['type']} joint cannot follow another; change it")
+                raise InputError(
+                    f"{self.called(body.name)}: {with_article(part['type'])} joint cannot follow another; change it"
+                )
             self.joints.append(made)
             self.made[k] = made
             inner = outer
@@ -277,30 +304,45 @@ class Builder:
             if joint is None:
                 self.foreign("frictionloss", what, "joint", part["name"])
             else:
-                stiffness = part["friction"] / BRAKE_YIELD
-                damping = np.sqrt(stiffness * self.felt(part))
-                values = {"torque": part["friction"], "stiffness": stiffness, "damping": damping}
-                self.forces.append(Brake(joint, **values, name=self.name(f"{part['name']} friction", "friction")))
+                self.brake(joint, part["friction"], self.felt(part), part["name"])
         if part["limit"] is not None:
-            self.limit(part, joint)
+            self.limit(k, part, joint)
 
-    def limit(self, part: Facts, joint: Joint | None) -> None:
+    def brake(self, joint: Joint, torque: float, felt: float, title: str) -> None:
+        """Build the dry friction of a joint that moves what is felt [kg m^2 or kg]."""
+        stiffness = torque / BRAKE_YIELD
+        values = {"torque": torque, "stiffness": stiffness, "damping": np.sqrt(stiffness * felt)}
+        self.forces.append(Brake(joint, **values, name=self.name(f"{title} friction", "friction")))
+
+    def limit(self, k: int, part: Facts, joint: Joint | None) -> None:
         """Build a stop for the limits of a joint, or watch them; a stop needs a lower limit below the upper one."""
         lower, upper = part["limit"]
-        kind, left_out = "angle" if part["type"] == "hinge" else "slide", "limit" in self.choices.leave_out
-        if joint is not None and self.choices.limits == "stop" and lower < upper and not left_out:
-            felt = self.felt(part)
-            k, c, name = felt * STOP_RATE**2, 2.0 * felt * STOP_RATE, self.name(f"{part['name']} stop", "stop")
-            stop = EndStop(joint, lower=lower, upper=upper, stiffness=k, damping=c, of=kind, name=name)
-            self.forces.append(stop)
+        kind = "angle" if part["type"] == "hinge" else "slide"
+        if self.stops and joint is not None and lower < upper:
+            how = self.stop(part["name"], self.felt(part))
+            self.forces.append(EndStop(joint, lower=lower, upper=upper, of=kind, **how))
+            return
+        if self.stops and part["type"] == "ball" and 0.0 < max(lower, upper) < np.pi:  # of the whole turn
+            how = self.stop(part["name"], self.felt(part))
+            self.forces.append(RotationStop(self.made[k], angle=max(lower, upper), **how))
             return
         self.foreign("limit", f"range of {part['name']}", "joint", part["name"], watched=joint is not None)
-        if joint is not None and not left_out:
+        if joint is not None and "limit" not in self.choices.leave_out:
             name = part["name"] if part["name"] != joint.name else ""
             self.limits.append(Limit(joint, kind, lower, upper, name))
 
+    @property
+    def stops(self) -> bool:
+        """Return whether limits become stops."""
+        return self.choices.limits == "stop" and "limit" not in self.choices.leave_out
+
+    def stop(self, title: str, felt: float) -> dict[str, Any]:
+        """Return stiffness, damping and name of a stop of what is felt [kg m^2 or kg]: damped critically."""
+        name = self.name(f"{title} stop", "stop")
+        return {"stiffness": felt * STOP_RATE**2, "damping": 2.0 * felt * STOP_RATE, "name": name}
+
     def felt(self, part: Facts) -> float:
-        """Return what a hinge or slide turns or moves at the reference pose [kg m^2 or kg], above 0."""
+        """Return what a hinge, slide or ball turns or moves at the reference pose [kg m^2 or kg], above 0."""
         return max(felt_inertia(self.carried[part["body"]], part) + part["armature"], MOMENT_ROUNDING)
 
     def heavier(self, i: int, part: Facts) -> None:
@@ -411,7 +453,7 @@ class Builder:
         build = {"joint": self.coupling, "tendon": self.tied}.get(equality["type"], self.closure)
         made = build(equality, name)
         if made is None:
-            what = f"{equality['name']} ({equality['type']}){self.why_not(equality)}"
+            what = f"{equality['name']} ({equality['type']})"
             self.foreign("equality", what, "equality", equality["name"])
         else:
             self.joints.append(made)
@@ -446,38 +488,91 @@ class Builder:
         return Coupler(leader, follower, coefficients=without_zeros((0.0, a1, *rest)), name=name)
 
     def tied(self, equality: Facts, name: str) -> Joint | None:
-        """Build y = a0 + a1 x + ... of two sums of coordinates, or y = a0 of one; None where it does not fit a row."""
+        """Build y = a0 + a1 x + ... of two sums of coordinates, or y = a0 of one; None for other joints."""
         (y, y_weights), (x, x_weights) = equality["sums"]
         if not {*y, *x} <= set(self.coordinate):
             return None
-        leaders, followers = ([self.coordinate[k] for k in side] for side in (x, y))
-        if self.ends((*x, *y)) > SLOTS_COUNT or len(x) + len(y) > COORDINATES_COUNT:
-            return None
-        weights = {"x_weights": x_weights or None, "y_weights": y_weights}
+        leaders, followers = self.terms(x, x_weights), self.terms(y, y_weights)
+        c0, *rest = coefficients = without_zeros(equality["polynomial"])
+        if set(x) & set(y) or not fits(leaders + followers):
+            if len(rest) < 2:  # y - c1 x = c0, one sum
+                whole = dict(zip(y, y_weights, strict=True))
+                for k, weight in zip(x, x_weights, strict=True):
+                    whole[k] = whole.get(k, 0.0) - sum(rest) * weight
+                leaders, followers, coefficients = [], self.terms([*whole], [*whole.values()]), [c0]
+            most = 1 if leaders else COORDINATES_COUNT
+            followers, leaders = (self.merged(side, equality["name"], most) for side in (followers, leaders))
         return Coupler(
-            leaders, followers, coefficients=without_zeros(equality["polynomial"]), **weights, name=name
+            [term.joint for term in leaders], [term.joint for term in followers], coefficients=coefficients,
+            x_weights=[term.weight for term in leaders] or None, y_weights=[term.weight for term in followers],
+            name=name,
         )  # fmt: skip
 
-    def ends(self, joints: Sequence[int]) -> int:
-        """Return the number of bodies, the ground included, between which joints with a coordinate are."""
-        return len({id(body) for k in joints for body in (self.coordinate[k].a, self.coordinate[k].b)})
+    def terms(self, joints: Sequence[int], weights: Sequence[float]) -> list[Term]:
+        """Return joints of the file as the terms of a sum."""
+        return [Term(self.coordinate[k], w, ((k, 1.0),)) for k, w in zip(joints, weights, strict=True) if w]
 
-    def why_not(self, equality: Facts) -> str:
-        """Return why an equality of tendons is not built, to follow its name."""
-        joints = joints_in(equality) if equality["type"] == "tendon" else []
-        if not joints or not set(joints) <= set(self.coordinate):
-            return ""
-        given = f"{self.ends(joints)} bodies and of {len(joints)} joints"
-        return f", between {given}, where a row has at most {SLOTS_COUNT} of each"
+    def merged(self, terms: list[Term], title: str, most: int, bodies_max: int = SLOTS_COUNT) -> list[Term]:
+        """Return the same sum in so few terms that it fits a row: others move sliders without mass by a part of it.
+
+        A slider feels no force but those of its rows, so it passes on the load of the sum to each coordinate.
+        """
+        while terms and not fits(terms, most, bodies_max):
+            summed, carrier = next_to_merge(terms, SLOTS_COUNT - 1)
+            guide = self.slider(summed, carrier, title)
+            terms = [x for x in terms if x not in summed] + [Term(guide, 1.0, parts_of(summed))]
+        return terms
+
+    def slider(self, summed: list[Term], carrier: Any, title: str, armature: float = 0.0) -> Joint:
+        """Build a body without mass that slides along a carrier by a sum, and return its guide, which has armature."""
+        at, e = carrier.position, carrier.orientation
+        slider = Body(self.name(f"{title} sum", "body"), 0.0, np.zeros(3), position=at, orientation=e)
+        name, axis = self.name(f"{title} guide", "joint"), matrix(e)[:, 0]
+        guide = Prismatic(carrier, slider, at=at, axis=axis, reflected_mass=armature, name=name)
+        name, weights = self.name(f"{title} row", "joint"), [term.weight for term in summed]
+        row = Coupler([x.joint for x in summed], guide, coefficients=(0.0, 1.0), x_weights=weights, name=name)
+        self.joints += [guide, row]
+        base = next((x for x in self.frames if x.made is carrier), Frame(slider, 0, ()))
+        self.frames.append(Frame(slider, base.body, base.after, base.slide + parts_of(summed)))
+        return guide
 
     def pull(self, tendon: Facts) -> None:
-        """Build spring and damper of a fixed tendon, on the weighted sum of its joints."""
+        """Build spring, damper and stop of a fixed tendon, on the weighted sum of its joints."""
         if not set(tendon["joints"]) <= set(self.coordinate):
             self.foreign("tendon", f"{tendon['name']}, on a joint without a coordinate", "tendon", tendon["name"])
             return
         joints = [self.coordinate[k] for k in tendon["joints"]]
-        values = {name: tendon[name] for name in ("weights", "stiffness", "damping", "rest")}
-        self.forces.append(SumSpring(joints, **values, name=self.name(tendon["name"], "tendon")))
+        if tendon["stiffness"] or tendon["damping"]:
+            values = {name: tendon[name] for name in ("weights", "stiffness", "damping", "rest")}
+            self.forces.append(SumSpring(joints, **values, name=self.name(tendon["name"], "tendon")))
+        if tendon["friction"] or tendon["armature"]:
+            self.resist(tendon)
+        if tendon["limit"] is None:
+            return
+        lower, upper = tendon["limit"]
+        if not self.stops or not lower < upper:
+            self.foreign("limit", f"length of tendon {tendon['name']}", "tendon", tendon["name"])
+            return
+        how = self.stop(tendon["name"], self.felt_along(tendon))
+        self.forces.append(SumStop(joints, weights=tendon["weights"], lower=lower, upper=upper, **how))
+
+    def felt_along(self, tendon: Facts) -> float:
+        """Return what a load along a fixed tendon moves at the reference pose, each joint by itself."""
+        given = zip(tendon["joints"], tendon["weights"], strict=True)
+        return tendon["armature"] + 1.0 / sum(w**2 / self.felt(self.facts["joints"][k]) for k, w in given)
+
+    def resist(self, tendon: Facts) -> None:
+        """Build dry friction and armature of a fixed tendon: of the guide of a body that slides by its sum."""
+        terms, most = self.terms(tendon["joints"], tendon["weights"]), COORDINATES_COUNT - 1
+        terms = self.merged(terms, tendon["name"], most, SLOTS_COUNT - 1)
+        guide = self.slider(terms, terms[0].joint.a, tendon["name"], tendon["armature"])
+        if tendon["friction"]:
+            self.brake(guide, tendon["friction"], self.felt_along(tendon), tendon["name"])
+
+
+def fits(terms: Sequence[Term], most: int = COORDINATES_COUNT, bodies_max: int = SLOTS_COUNT) -> bool:
+    """Return whether a row has room for the bodies and coordinates of a sum."""
+    return len(terms) <= most and len(bodies_of(terms)) <= bodies_max
 
 
 def joints_in(equality: Facts) -> list[int]:

@@ -27,12 +27,18 @@ def carried(facts: Facts) -> list[MassProperties]:
 
 
 def felt_inertia(whole: MassProperties, joint: Facts) -> float:
-    """Return what a hinge (or slide) turns (or moves) at the reference pose: a' I a [kg m^2], or the mass [kg]."""
+    """Return what a hinge (or slide) turns (or moves) at the reference pose: a' I a [kg m^2], or the mass [kg].
+
+    Of a ball it is the inertia about the axis for which that is the largest.
+    """
     if joint["type"] == "slide":
         return whole.mass
+    lever = whole.com - np.array(joint["anchor"])
+    inertia = whole.inertia + whole.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
+    if joint["type"] == "ball":
+        return float(np.linalg.eigvalsh(inertia)[-1])
     axis = np.array(joint["axis"])
-    arm = np.cross(axis, whole.com - np.array(joint["anchor"]))
-    return float(axis @ whole.inertia @ axis + whole.mass * (arm @ arm))
+    return float(axis @ inertia @ axis)
 
 
 def length_of(facts: Facts) -> float:

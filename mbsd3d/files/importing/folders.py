@@ -17,14 +17,17 @@ class Folders:
     def __init__(self, model: Path, package_paths: Sequence[str | Path] = ()) -> None:
         self.home = model.parent.resolve()
         self.given = tuple(Path(path).resolve() for path in package_paths)
+        self.found: set[Path] = set()  # packages of which a file was asked for
 
     def allow(self, path: Path) -> bool:
-        """Return whether a path, its links followed, lies in the folder of the model or in one that was given."""
+        """Return whether a path, its links followed, lies in the folder of the model, or in one that was given or is a
+        package that was found.
+        """
         try:
             real = path.resolve()
         except (OSError, ValueError, RuntimeError):  # links in a circle, names that no file can have
             return False
-        return any(real.is_relative_to(folder) for folder in (self.home, *self.given))
+        return any(real.is_relative_to(folder) for folder in (self.home, *self.given, *self.found))
 
     def find(self, name: str, base: Path | None = None) -> Path | None:
         """Return the file of a name as models write it, or None if it is missing or lies elsewhere.
@@ -36,8 +39,9 @@ class Folders:
             for scheme in PACKAGE_PREFIXES:
                 if name.startswith(scheme):
                     return self.in_package(*name.removeprefix(scheme).partition("/")[::2])
-            path = (base or self.home) / name.removeprefix("file://").replace("\\", "/")
-            return path if "://" not in name[4:] and self.allow(path) and path.is_file() else None
+            plain = name.removeprefix("file://")
+            path = (base or self.home) / plain.replace("\\", "/")
+            return path if "://" not in plain and self.allow(path) and path.is_file() else None
         except (OSError, ValueError):
             return None
 
@@ -47,6 +51,7 @@ class Folders:
             path = folder / inner
             inside = path.resolve().is_relative_to(folder.resolve())
             if (inside or self.allow(path)) and path.is_file():
+                self.found |= {folder.resolve()} if inside else set()
                 return path
         return None
 

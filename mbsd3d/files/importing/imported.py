@@ -1,4 +1,4 @@
-"""What an import found: the system, and all of the file that is no part of it, by what it would do to the motion."""
+"""What an import found: the system, and all of the file that is not part of it, by what it would do to the motion."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -6,13 +6,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...base.errors import InputError
-from ...base.style import counted
+from ...base.style import html_text
+from ...base.wording import counted
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.state import State
 
 ALWAYS_ACTING = (
-    "armature", "equality", "flex", "fluid", "frictionloss", "gravcomp", "inertial", "input", "joints", "passive",
-    "tendon",
+    "armature", "equality", "flex", "fluid", "frictionloss", "gravcomp", "include", "inertial", "input", "joints",
+    "passive", "tendon",
 )  # fmt: skip
 """Kinds that act on every motion: built, or the file is refused."""
 ACTING_AT_TIMES = {
@@ -27,7 +28,7 @@ SHOWN_MAX = 20  # [1] parts that an error lists
 
 
 class NotBuilt(NamedTuple):
-    """Something of a file that is no part of the system."""
+    """Something of a file that is not part of the system."""
 
     kind: str
     what: str
@@ -86,6 +87,12 @@ class Imported(NamedTuple):
     states: dict[str, State] = {}  # noqa: RUF012 - given anew by every import
     points: dict[str, Point] = {}  # noqa: RUF012 - given anew by every import
     inputs: dict[str, tuple[float, float] | None] = {}  # noqa: RUF012 - given anew by every import
+
+    def __repr__(self) -> str:
+        return f"<imported: {self}>"
+
+    def _repr_html_(self) -> str:
+        return html_text(str(self))
 
     def __str__(self) -> str:
         system = self.system

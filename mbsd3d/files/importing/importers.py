@@ -52,11 +52,13 @@ def read_robot(path: str | Path, timeout: float, package_paths: Any, floating: b
     return built(path, robot.facts, chosen, robot.place_of)
 
 
-def read_simulation(path: str | Path, package_paths: Any, **choices: Any) -> Imported:
+def read_simulation(path: str | Path, package_paths: Any, floating: bool | None, **choices: Any) -> Imported:
     """Read an SDF file, build."""
     path = as_path(path, "model.sdf")
-    chosen = chosen_of(path, inputs=False, limits="watched", **choices)
-    model = SdfModel(path, Folders(path, as_folders(package_paths)))
+    if floating is not None:
+        true_or_false(floating, "floating", None)
+    chosen = chosen_of(path, inputs=False, **choices)
+    model = SdfModel(path, Folders(path, as_folders(package_paths)), floating, chosen.leave_out)
     return built(path, model.facts, chosen, model.place_of)
 
 

@@ -58,7 +58,8 @@ def joint_of(a: Any, b: Any, parts: Sequence[Facts], name: str) -> Joint | None:
     slides = [part for part in parts if part["type"] == "slide"]
     first = parts[0]
     if first["type"] == "ball":
-        return Spherical(a, b, at=first["anchor"], name=name) if len(parts) == 1 else None
+        own = {"reflected_inertia": first["armature"], "name": name}
+        return Spherical(a, b, at=first["anchor"], **own) if len(parts) == 1 else None
     if first["type"] == "screw":
         return Screw(a, b, at=first["anchor"], axis=first["axis"], pitch=first["pitch"], name=name)
     if first["type"] == "planar":
@@ -94,6 +95,40 @@ class Frame(NamedTuple):
     made: Body
     body: int
     after: tuple[int, ...]
+    slide: tuple[tuple[int, float], ...] = ()  # numbers and weights of joints by whose sum it slides along its own x
+
+
+class Term(NamedTuple):
+    """A term w x of a sum of coordinates: of a joint of the file, or of a slider that moves by a part of the sum."""
+
+    joint: Joint
+    weight: float
+    parts: tuple[tuple[int, float], ...]  # the numbers of the joints of the file that x sums, with their weights
+
+
+def bodies_of(terms: Sequence[Term]) -> dict[int, Any]:
+    """Return the bodies, the ground included, between which the joints of a sum are."""
+    return {id(body): body for term in terms for body in (term.joint.a, term.joint.b)}
+
+
+def parts_of(terms: Sequence[Term]) -> tuple[tuple[int, float], ...]:
+    """Return numbers and weights of all joints of the file in a sum of terms."""
+    return tuple((k, term.weight * weight) for term in terms for k, weight in term.parts)
+
+
+def next_to_merge(terms: Sequence[Term], bodies_max: int) -> tuple[list[Term], Any]:
+    """Return terms whose sum a slider can take over, so that a sum is nearer to fit, and the body that carries it.
+
+    Two are taken that have at most ``bodies_max`` bodies between them; if there are none, the last one alone, with a
+    carrier that the first one has.
+    """
+    for i, one in enumerate(terms):
+        for other in terms[i + 1 :]:
+            pair = [one, other]
+            if len(bodies_of(pair)) <= bodies_max:
+                rest = [body for x in terms if x not in pair for body in bodies_of([x])]
+                return pair, max(bodies_of(pair).items(), key=lambda item: rest.count(item[0]))[1]
+    return [terms[-1]], terms[0].joint.a
 
 
 def state_of(system: Mechanism, frames: Sequence[Frame], coordinate: Mapping[int, Joint], key: Facts) -> State:
@@ -113,7 +148,7 @@ def state_of(system: Mechanism, frames: Sequence[Frame], coordinate: Mapping[int
 def motion_of(frame: Frame, key: Facts) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Return r, e, r_dot and w of a body: joints turn b about an anchor, and are taken back from the last to the first.
 
-    Twists are those of the point of the body at the origin: v_0 = r_dot - w x r.
+    Twists are those of the point of the body at the origin: v_0 = r_dot - w x r. A slider moves along its own x.
     """
     pose, twist = np.array(key["poses"][frame.body]), np.array(key["twists"][frame.body])
     r, e, w = pose[:3], pose[3:], twist[3:]
@@ -130,4 +165,7 @@ def motion_of(frame: Frame, key: Facts) -> tuple[np.ndarray, np.ndarray, np.ndar
             back = multiply(multiply(e, conjugate(np.array(joint["turn"]))), conjugate(e))
         r, e = anchor + matrix(back) @ (r - anchor), multiply(back, e)
         w, v = w - spin, v - np.cross(anchor, spin)
+    for k, weight in frame.slide:
+        along = weight * matrix(e)[:, 0]
+        r, v = r + key["joints"][k]["value"] * along, v + key["joints"][k]["rate"] * along
     return r, e / np.linalg.norm(e), v + np.cross(w, r), w

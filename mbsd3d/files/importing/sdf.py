@@ -3,221 +3,42 @@
 Frames stand in a graph: each is placed in another one of its model, and attached to a link.
 """
 
-from collections import Counter
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from ...base.checks import check_size
 from ...base.errors import InputError
-from ...base.paths import read_text
-from ...base.rotations import as_quaternion, matrix, multiply, quaternion_from_matrix, rotation
+from ...base.inertia import box, capsule, cone, cylinder, ellipsoid
+from ...base.mass_properties import MassProperties, put_together
+from ...base.rotations import matrix, quaternion_from_matrix
+from ...mechanism.shapes.solid_meshes import solid_of
+from ...mechanism.shapes.triangles import MASS_TRIANGLES_MAX
 from .facts import Facts
 from .folders import Folders
-from .urdf import unloaded
-from .xml_scan import FILES_BYTES_MAX
-from .xml_tree import Node, numbers_of, tree_of
+from .model_file import Link, ModelFile, Pose, after, unloaded
+from .sdf_files import MODEL_TAGS, SdfFiles
+from .sdf_frames import ROOT, WORLD, Model, inverse, raw_pose
+from .xml_tree import Node, is_marked, is_true, number_in, numbers_of, words_of
 
-VERSION_MIN = (1, 7)  # before it, poses and axes were in other frames
-CHAIN_MAX = 200  # [frames] that are placed in each other, and models in models
 UNLIMITED = 1e15  # [rad, m, N, N m] from which a limit is none: the format has 1e16 or inf
-ROOT = "__model__"  # the frame of a model itself
-WORLD = "world"
 GRAVITY = (0.0, 0.0, -9.8)  # [m/s^2] of a world that gives none
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2] of a model without a world
+LOST_SHOWN_MAX = 5  # [1] models that are not found, which an error lists
+DENSITY = 1000.0  # [kg/m^3] of geometry that gives the mass of a link, and has no density
 AXIS_ALIGNMENT_MIN = 1 - 1e-9  # [1] cosine between the axis of a gearbox and that of its hinge
 JOINT_AXES = {
     "revolute": ("hinge",), "continuous": ("hinge",), "prismatic": ("slide",), "screw": ("screw",), "ball": ("ball",),
     "universal": ("hinge", "hinge"), "revolute2": ("hinge", "hinge"), "fixed": (), "gearbox": (),
 }  # fmt: skip
-Pose = tuple[np.ndarray, np.ndarray]  # (3,) position [m], (4,) quaternion
-AT_HOME: Pose = np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
-
-
-def after(first: Pose, second: Pose) -> Pose:
-    """Return the pose of a frame that is placed by ``second`` in a frame placed by ``first``."""
-    e = multiply(first[1], second[1])
-    return first[0] + matrix(first[1]) @ second[0], e / np.linalg.norm(e)
-
-
-def inverse(pose: Pose) -> Pose:
-    """Return the pose of the outer frame in the inner one."""
-    e = pose[1] * (1.0, -1.0, -1.0, -1.0)
-    return -(matrix(e) @ pose[0]), e
-
-
-def words_of(node: Node | None, default: str = "") -> str:
-    """Return the text inside an element."""
-    return default if node is None else node.content.strip() or default
-
-
-def number_in(parent: Node | None, tag: str, default: float) -> float:
-    """Return the number inside a child, which may be infinite."""
-    node = parent.child(tag) if parent else None
-    text = words_of(node)
-    if node is None or not text:
-        return default
-    if text.lstrip("+-").lower() in ("inf", "infinity"):
-        return -np.inf if text.startswith("-") else np.inf
-    return float(numbers_of(text, 1, node.place)[0])
-
-
-def is_true(parent: Node, tag: str) -> bool:
-    """Return whether the text inside a child is true."""
-    node = parent.child(tag)
-    text = words_of(node, "false").lower()
-    if node is not None and text not in ("true", "1", "false", "0"):
-        raise InputError(f"{node.place}: '{text[:40]}' is neither true nor false; correct it")
-    return text in ("true", "1")
-
-
-def raw_pose(parent: Node) -> tuple[Pose, str]:
-    """Return the <pose> of an element and the name of the frame it is given in, "" for the usual one."""
-    node = parent.child("pose")
-    if node is None:
-        return AT_HOME, ""
-    form = node.attributes.get("rotation_format", "euler_rpy")
-    relative, text = node.attributes.get("relative_to", "").strip(), words_of(node)
-    if form == "quat_xyzw":
-        values = numbers_of(text or "0 0 0 0 0 0 1", 7, node.place)
-        x, y, z, w = values[3:]
-        return (values[:3], as_quaternion([w, x, y, z], node.place)), relative
-    if form != "euler_rpy":
-        raise InputError(f"{node.place}: rotation_format '{form[:40]}'; give euler_rpy or quat_xyzw")
-    values = numbers_of(text or "0 0 0 0 0 0", 6, node.place)
-    roll, pitch, yaw = np.deg2rad(values[3:]) if node.attributes.get("degrees", "") in ("true", "1") else values[3:]
-    return (values[:3], multiply(rotation("z", yaw), multiply(rotation("y", pitch), rotation("x", roll)))), relative
-
-
-@dataclass(eq=False)
-class Model:
-    """A model, or the world: its frames by name, each a link, joint, frame or model."""
-
-    node: Node
-    key: str  # name in the model around it
-    name: str  # with the names of the models around it, "outer::inner"; of the only one ""
-    parent: "Model | None"
-    static: bool
-    frames: dict[str, Node] = field(default_factory=dict)
-    inner: dict[str, "Model"] = field(default_factory=dict)
-    placed: dict[str, Pose] = field(default_factory=dict)
-
-    def full(self, name: str) -> str:
-        """Return the name of a part with the names of the models around it."""
-        return f"{self.name}::{name}" if self.name else name
-
-    def all_models(self) -> Iterator["Model"]:
-        """Yield this model and those inside."""
-        yield self
-        for inner in self.inner.values():
-            yield from inner.all_models()
-
-    def find(self, name: str, place: str) -> "tuple[Model, str]":
-        """Return the model in which a frame stands, and its name there: "arm::hand" stands in the model "arm"."""
-        scope, rest = self, name
-        while "::" in rest:
-            first, rest = rest.split("::", 1)
-            if first not in scope.inner:
-                raise InputError(f"{place}: '{name[:60]}' is in no model; name a frame of this model")
-            scope = scope.inner[first]
-        if rest in scope.inner:
-            return scope, rest
-        if rest not in scope.frames and rest not in (ROOT, WORLD):
-            raise InputError(f"{place}: '{name[:60]}' is no link, joint or frame; name one of this model")
-        return scope, rest
-
-    def local(self, name: str, place: str, seen: tuple[Any, ...] = ()) -> Pose:
-        """Return the pose of a frame in that of this model."""
-        scope, inner = self.find(name, place)
-        pose = scope.own(inner, place, seen)
-        while scope is not self and scope.parent is not None:
-            pose = after(scope.parent.own(scope.key, place, seen), pose)
-            scope = scope.parent
-        return pose
-
-    def own(self, name: str, place: str, seen: tuple[Any, ...] = ()) -> Pose:
-        """Return the pose of a frame that stands in this model, in the frame of the model."""
-        if name == ROOT or (name == WORLD and self.parent is None):
-            return AT_HOME
-        if name == WORLD:
-            return inverse(self.in_world(place, seen))
-        if name in self.placed:
-            return self.placed[name]
-        key = (id(self), name)
-        if key in seen or len(seen) > CHAIN_MAX:
-            why = "is placed in itself" if key in seen else f"is the end of more than {CHAIN_MAX} frames in each other"
-            raise InputError(f"{place}: frame '{name}' {why}; cut the chain")
-        node, line = self.frames[name], (*seen, key)
-        pose, relative = raw_pose(node)
-        if not relative:
-            relative = node.attributes.get("attached_to", "") if node.tag == "frame" else ""
-            relative = words_of(node.child("child")) if node.tag == "joint" else relative
-        if node.tag == "model" and (lead := node.attributes.get("placement_frame")):
-            inner = self.inner[name]
-            pose = after(pose, inverse(inner.local(lead, node.place, line)))
-        found = after(self.local(relative, node.place, line), pose) if relative else pose
-        check_size(found[0], node.place)
-        self.placed[name] = found
-        return found
-
-    def in_world(self, place: str, seen: tuple[Any, ...] = ()) -> Pose:
-        """Return the pose of the frame of this model in the world."""
-        if self.parent is None:
-            return AT_HOME
-        return after(self.parent.in_world(place, seen), self.parent.own(self.key, place, seen))
-
-    def pose(self, name: str, place: str) -> Pose:
-        """Return the pose of a frame in the world."""
-        return after(self.in_world(place), self.local(name, place))
-
-    def link(self, name: str, place: str, count: int = 0) -> str:
-        """Return the full name of the link to which a frame is attached; the world is "world"."""
-        if count > CHAIN_MAX:
-            raise InputError(f"{place}: frame '{name}' is attached to itself; cut the chain")
-        scope, inner = self.find(name, place)
-        if inner == WORLD:
-            return WORLD
-        if inner in scope.inner:
-            scope, inner = scope.inner[inner], ROOT
-        if inner == ROOT:
-            if scope.parent is None:
-                return WORLD
-            return scope.canonical(place, count)
-        node = scope.frames[inner]
-        match node.tag:
-            case "link":
-                return scope.full(inner)
-            case "joint":
-                return scope.link(words_of(node.child("child")), node.place, count + 1)
-        return scope.link(node.attributes.get("attached_to", "").strip() or ROOT, node.place, count + 1)
-
-    def canonical(self, place: str, count: int) -> str:
-        """Return the full name of the link that carries the frame of this model."""
-        given = self.node.attributes.get("canonical_link", "").strip()
-        if given:
-            return self.link(given, self.node.place, count + 1)
-        for child in self.node.children:
-            if child.tag == "link":
-                return self.full(child.text("name"))
-        for inner in self.inner.values():
-            return inner.canonical(place, count + 1)
-        raise InputError(f"{self.node.place}: model '{self.key}' has no link; give it one")
 
 
 @dataclass
-class Link:
-    """A link: what it weighs about its own frame, and where it is."""
+class SdfLink(Link):
+    """A link of a model."""
 
-    name: str
-    node: Node | None
-    model: Model | None
-    pose: Pose
-    mass: float = 0.0
-    com: np.ndarray = field(default_factory=lambda: np.zeros(3))
-    inertia: np.ndarray = field(default_factory=lambda: np.zeros((3, 3)))
+    model: Model | None = None
     weightless: bool = False  # gravity does not act on it
 
 
@@ -234,32 +55,24 @@ class Connection:
     anchor: np.ndarray
     axes: list[np.ndarray]
 
+    @property
+    def ends(self) -> tuple[str, str]:
+        """Return the names of parent and child."""
+        return self.parent, self.child
 
-class SdfModel:
+
+class SdfModel(ModelFile):
     """An SDF file."""
 
-    def __init__(self, path: Path, folders: Folders) -> None:
-        self.root, self.folders = tree_of(path, read_text(path, FILES_BYTES_MAX)), folders
-        if self.root.tag != "sdf":
-            raise InputError(f"'{path}': its root is <{self.root.tag}>, not <sdf>; use the reader of its format")
-        self.idle: Counter[str] = Counter()
-        self.said: list[str] = []
-        self.missing: list[str] = []
-        self.foreign: list[Facts] = []
-        self.places: dict[tuple[str, str], str] = {}
-
-    def place_of(self, tag: str, name: str) -> str:
-        """Return line and element of a link ("body"), joint, or coupling ("equality")."""
-        return self.places.get((tag, name), "")
+    def __init__(self, path: Path, folders: Folders, floating: bool | None, leave_out: Sequence[str]) -> None:
+        super().__init__(folders)
+        self.files, self.floating, self.leave_out = SdfFiles(path, folders), floating, leave_out
 
     def read_world(self) -> Model:
         """Read the frames of the only world or model of the file."""
-        root, version = self.root, self.root.text("version")
-        if tuple(numbers_of(version.replace(".", " ", 1), 2, f"{root.place}: version")) < VERSION_MIN:
-            raise InputError(
-                f"{root.place}: version {version[:20]} places poses and axes in other frames than 1.7 and newer; "
-                "convert it, e.g. by: gz sdf -p FILE"
-            )
+        root = self.files.whole()
+        self.said += self.files.said
+        self.check_found()
         tops = [child for child in root.children if child.tag in ("world", "model")]
         if len(tops) != 1:
             have = ", ".join(f"'{child.attributes.get('name', '')}'" for child in tops[:5]) or "none"
@@ -268,40 +81,56 @@ class SdfModel:
         models = self.top.all("model") if self.top.tag == "world" else tops
         self.only = models[0] if len(models) == 1 else None  # whose name is not repeated before those of its parts
         world = self.top if self.top.tag == "world" else Node("world", {}, root.line, [self.top])
-        return self.read_model(world, "", "", None, False, 0)
+        return self.read_model(world, Model(world, "", "", None, False))
 
-    def read_model(self, node: Node, key: str, name: str, parent: Model | None, static: bool, depth: int) -> Model:
+    def check_found(self) -> None:
+        """Refuse models that are included and not found, unless the caller leaves them out."""
+        lost = self.files.lost
+        for uri, place in lost:
+            element = ("include", uri)
+            self.places[element] = place
+            self.foreign.append({"kind": "include", "what": f"model '{uri}'", "element": element, "count": 1})
+        if lost and "include" not in self.leave_out:
+            listed = ", ".join(f"'{uri}'" for uri, _ in lost[:LOST_SHOWN_MAX])
+            more = f" and {len(lost) - LOST_SHOWN_MAX} more" if len(lost) > LOST_SHOWN_MAX else ""
+            raise InputError(
+                f"{lost[0][1]}: model {listed}{more} is not found in the folder of the file, above it, or in "
+                'package_paths; give the folder it lies in with package_paths, or leave out with leave_out=["include"]'
+            )
+
+    def read_model(self, node: Node, made: Model) -> Model:
         """Read the frames of a model, and the models in it."""
-        if depth > CHAIN_MAX:
-            raise InputError(f"{node.place}: more than {CHAIN_MAX} models in each other; use fewer")
         if node.tag == "model":
-            static = static or is_true(node, "static")
-        made = Model(node, key, name, parent, static)
+            made.static = made.static or is_true(node, "static")
         for child in node.children:
-            if child.tag in ("include", "population"):
-                uri = words_of(child.child("uri")) or words_of(child.child("model"))
-                raise InputError(
-                    f"{child.place}: model '{uri[:60]}' is not read from another file; put it into this one, e.g. by: "
-                    "gz sdf -p FILE"
-                )
-            if child.tag not in ("link", "joint", "frame", "model"):
+            if child.tag not in ("link", "joint", "frame", *MODEL_TAGS):
                 self.idle.update([child.tag] if child.tag not in ("pose", "static", "gravity", "state") else ())
                 continue
-            own = child.text("name")
-            if own in made.frames or own in (ROOT, WORLD) or "::" in own:
-                why = "another frame has" if own in made.frames else "is reserved or has '::'"
-                raise InputError(f"{child.place}: the name '{own[:60]}' {why}; give another one")
-            made.frames[own] = child
-            if child.tag == "model":
-                full = "" if child is self.only else made.full(own)
-                made.inner[own] = self.read_model(child, own, full, made, static, depth + 1)
+            own, merged = child.text("name"), child.tag == "merged"
+            if own in (ROOT, WORLD) or "::" in own:
+                raise InputError(f"{child.place}: the name '{own[:60]}' is reserved or has '::'; give another one")
+            key = f"_merged__{own}__model__" if merged else own
+            self.list_frame(made, key, child)
+            if child.tag in MODEL_TAGS:
+                full = made.name if merged else "" if child is self.only else made.full(own)
+                made.inner[key] = Model(child, key, full, made, made.static, merged)
+                self.read_model(child, made.inner[key])
         return made
+
+    def list_frame(self, model: Model, name: str, node: Node) -> None:
+        """List a frame of a model; all that are merged into one have different names."""
+        whole = model
+        while whole.merged and whole.parent is not None:
+            whole = whole.parent
+        if any(name in scope.frames for scope in whole.scopes()):
+            raise InputError(f"{node.place}: the name '{name[:60]}' another frame has; give another one")
+        model.frames[name] = node
 
     def facts(self) -> Facts:
         """Return bodies, joints, loops and couplings for the builder."""
         self.world = self.read_world()
         models = list(self.world.all_models())
-        self.links = {WORLD: Link(WORLD, None, None, AT_HOME)}
+        self.links = {WORLD: SdfLink(WORLD, None)}
         for model in models:
             for name, node in model.frames.items():
                 if node.tag == "link":
@@ -315,10 +144,14 @@ class SdfModel:
             for name, node in model.frames.items()
             if node.tag == "joint"
         ]
+        self.moving = [joint for joint in self.joints if JOINT_AXES[joint.kind]]
+        self.number: dict[str, int] = {}  # of the body of a link
+        self.hinges: dict[str, int] = {}  # number of the joint of a coordinate
         facts: Facts = {"equalities": [], "gravity": self.gravity()}
         facts["bodies"], facts["joints"] = self.laid_out()
         self.list_couplings(facts)
-        self.list_contacts()
+        able = [link.name for link in self.links.values() if link.node and link.node.all("collision")]
+        self.list_contacts([(name, self.group[name]) for name in able])
         points = [
             {"name": model.full(name), "body": self.number[link], "position": pose[0], "axes": matrix(pose[1])}
             for model in models
@@ -339,28 +172,27 @@ class SdfModel:
         node = self.top.child("gravity")
         return np.array(GRAVITY) if node is None else numbers_of(words_of(node), 3, node.place)
 
-    def link(self, model: Model, name: str, node: Node) -> Link:
+    def link(self, model: Model, name: str, node: Node) -> SdfLink:
         """Read a link with its mass; what the file does not give is 1 kg and 1 kg m^2, as the format says."""
         full = model.full(name)
         self.places["body", full] = node.place
         self.idle.update(child.tag for child in node.children if child.tag not in ("inertial", "pose", "gravity"))
         if is_true(node, "kinematic"):
             raise InputError(f"{node.place}: link '{full}' is kinematic, no force moves it; make its model static")
-        link = Link(full, node, model, model.pose(name, node.place), mass=1.0, inertia=np.eye(3))
+        link = SdfLink(full, node, 1.0, inertia=np.eye(3), pose=model.pose(name, node.place), model=model)
         link.weightless = node.child("gravity") is not None and not is_true(node, "gravity")
         inertial = node.child("inertial")
         if inertial is None:
             return link
-        if inertial.attributes.get("auto", "") in ("true", "1"):
-            raise InputError(
-                f"{inertial.place} of link '{full}': the mass follows from the geometry; give <mass> and <inertia>"
-            )
         if inertial.child("fluid_added_mass") is not None:
             element = ("body", full)
             self.foreign.append({"kind": "fluid", "what": f"added mass of {full}", "element": element, "count": 1})
         link.mass = number_in(inertial, "mass", 1.0)
         if not 0.0 <= link.mass < np.inf:
             raise InputError(f"{inertial.place} of link '{full}': {link.mass:g} kg; give a finite mass >= 0")
+        if is_marked(inertial, "auto"):
+            self.weigh(link, inertial)
+            return link
         moments, I = inertial.child("inertia"), np.eye(3)
         for a, row in enumerate("xyz"):
             for b, column in enumerate("xyz"[a:], a):
@@ -370,6 +202,39 @@ class SdfModel:
             raise InputError(f"{inertial.place} of link '{full}': give finite moments, and a pose in the link's frame")
         link.inertia = matrix(turn) @ I @ matrix(turn).T
         return link
+
+    def weigh(self, link: SdfLink, inertial: Node) -> None:
+        """Set the mass of a link by its collision geometry; a mass that is given scales the inertia."""
+        node = link.node or inertial
+        where = f"{inertial.place} of link '{link.name}'"
+        parts = []
+        for collision in node.all("collision"):
+            density = number_in(collision, "density", number_in(inertial, "density", DENSITY))
+            if not 0.0 < density < np.inf:
+                raise InputError(f"{where}: the density is {density:g} kg/m^3; give a finite one > 0")
+            solid, (r, e) = self.solid(collision, density, link.name), pose_in(link, collision)
+            R = matrix(e)
+            parts.append((solid.mass, r + R @ solid.com, R @ solid.inertia @ R.T))
+        if not parts:
+            raise InputError(f'{where}: auto="true" needs a <collision>; give one, or <mass> and <inertia>')
+        whole = put_together(parts)
+        share = 1.0 if inertial.child("mass") is None else link.mass / whole.mass
+        link.mass, link.com, link.inertia = share * whole.mass, whole.com, share * whole.inertia
+
+    def solid(self, collision: Node, density: float, link: str) -> MassProperties:
+        """Return the mass properties of homogeneous geometry in its own frame."""
+        shape = shape_of(collision)
+        if shape.tag != "mesh":
+            return primitive(geometry_of(shape), density)
+        if shape.child("submesh") is not None:
+            raise InputError(f"{shape.place}: gives the mass of link '{link}' by a part of it; give the part as a file")
+        name = words_of(shape.child("uri"))
+        path = self.folders.find(name, shape.folder)
+        what = f"{shape.place}: mesh '{name}', which gives the mass of link '{link}'"
+        if path is None:
+            raise InputError(f"{what}, is not found; give its folder with package_paths, or <mass> and <inertia>")
+        whole, _ = solid_of(str(path), density, 1.0, what, MASS_TRIANGLES_MAX)
+        return scaled(whole, scale_of(shape))
 
     def joint(self, model: Model, name: str, node: Node) -> Connection:
         """Read a joint; its frame is in that of the child, its axes in that of the joint or in one that is named."""
@@ -406,85 +271,83 @@ class SdfModel:
 
     def laid_out(self) -> tuple[list[Facts], list[Facts]]:
         """Return bodies, in the order of a tree of joints, and joints; those that close loops come last."""
-        names = list(self.links)
-        rigid = {name: name for name in names}
-
-        def root(name: str) -> str:
-            while rigid[name] != name:
-                rigid[name] = rigid[rigid[name]]
-                name = rigid[name]
-            return name
-
-        def join(a: str, b: str) -> None:
-            first, second = sorted((root(a), root(b)), key=names.index)
-            rigid[second] = first
-
-        for link in self.links.values():
-            if link.model is not None and link.model.static:
-                join(WORLD, link.name)
-        for joint in self.joints:
-            if joint.kind == "fixed":
-                join(joint.parent, joint.child)
-        self.group = {name: root(name) for name in names}
-        for link in self.links.values():
-            if link.node and link.node.child("inertial") is None and self.group[link.name] != WORLD:
-                self.said.append(f"'{link.name}' has no <inertial>: 1 kg and 1 kg m^2, as the format says")
+        self.group = self.rigid_groups()
         members: dict[str, list[str]] = {}
-        for name in names:
-            members.setdefault(self.group[name], []).append(name)
-        moving = [joint for joint in self.joints if JOINT_AXES[joint.kind]]
-        touching: dict[str, list[Connection]] = {name: [] for name in members}
-        for joint in moving:
-            for end in {self.group[joint.parent], self.group[joint.child]}:
-                touching[end].append(joint)
+        for name, group in self.group.items():
+            members.setdefault(group, []).append(name)
+        touching: dict[str, list[Connection]] = {group: [] for group in members}
+        for joint in self.moving:
+            for group in {self.group[end] for end in joint.ends}:
+                touching[group].append(joint)
         bodies: list[Facts] = []
         facts: list[Facts] = []
-        self.number: dict[str, int] = {}
-        self.hinges: dict[str, int] = {}
         spanned: set[int] = set()
-
-        def place(group: str, parent: int) -> None:
-            for name in members[group]:
-                self.number[name] = len(bodies)
-                bodies.append(self.body(self.links[name], parent if name == group else self.number[group]))
-                bodies[-1]["weld"] = self.number[group]
-
         for start in members:
             if start in self.number:
                 continue
-            place(start, 0)
+            self.place(bodies, members[start], 0)
             if start != WORLD:
                 position = bodies[self.number[start]]["position"]
                 facts.append(unloaded(f"{start} floats", "free", self.number[start]) | {"anchor": position})
             queue = [start]
             for group in queue:
                 for joint in touching[group]:
-                    ends = (joint.parent, joint.child)
-                    near, far = ends if self.group[ends[0]] == group else ends[::-1]
+                    near, far = joint.ends if self.group[joint.parent] == group else joint.ends[::-1]
                     if self.group[far] in self.number:
                         continue
                     spanned.add(id(joint))
-                    place(self.group[far], self.number[near])
+                    self.place(bodies, members[self.group[far]], self.number[near])
                     self.list_joint(facts, joint, self.number[self.group[far]], far == joint.parent, None)
                     queue.append(self.group[far])
-        for n, joint in enumerate(joint for joint in moving if id(joint) not in spanned):
+        self.close_loops(facts, [joint for joint in self.moving if id(joint) not in spanned])
+        return bodies, facts
+
+    def rigid_groups(self) -> dict[str, str]:
+        """Return the first of the links that are fixed to each other, for all of them, and say what floats."""
+        links = self.links.values()
+        rigid = [joint.ends for joint in self.joints if joint.kind == "fixed"]
+        rigid += [(WORLD, link.name) for link in links if link.model is not None and link.model.static]
+        parts = connected(list(self.links), [*rigid, *(joint.ends for joint in self.moving)])
+        floats = list(dict.fromkeys(part for part in parts.values() if part != WORLD))
+        if self.floating and not floats:
+            raise InputError(
+                "floating=True: static models or joints hold all links to the world; take them out, or leave it out"
+            )
+        if self.floating is not False and set(connected(list(self.links), rigid).values()) == {WORLD}:
+            raise InputError(
+                "static models or fixed joints hold all links to the world, and nothing can move; take one of these out"
+            )
+        with_joints = {parts[joint.parent] for joint in self.moving}
+        if self.floating is False:
+            rigid += [(WORLD, part) for part in floats]
+            self.said.append(f"fixed: {', '.join(floats)}") if floats else None
+        elif self.floating is None and (free := [part for part in floats if part in with_joints]):
+            verb = "float" if len(free) > 1 else "floats"
+            self.said.append(f"{', '.join(free)} {verb}; floating=False fixes, floating=True says so")
+        group = connected(list(self.links), rigid)
+        for link in links:
+            if link.node and link.node.child("inertial") is None and group[link.name] != WORLD:
+                self.said.append(f"'{link.name}' has no <inertial>: 1 kg and 1 kg m^2, as the format says")
+        return group
+
+    def place(self, bodies: list[Facts], members: list[str], parent: int) -> None:
+        """List links that are fixed to each other, the first of them on a body that is listed."""
+        first = len(bodies)
+        for name in members:
+            self.number[name], link = len(bodies), self.links[name]
+            more = {"gravcomp": float(link.weightless), "geoms": self.geoms(link)}
+            bodies.append(link.facts(parent if name == members[0] else first, first) | more)
+
+    def close_loops(self, facts: list[Facts], joints: list[Connection]) -> None:
+        """List the joints beside the tree, each with both its bodies; the ground is never the second."""
+        for n, joint in enumerate(joints):
             if self.group[joint.parent] == self.group[joint.child]:
                 self.said.append(f"joint '{joint.name}' moves nothing: its links are one body")
                 continue
-            ends, turned = (joint.parent, joint.child), joint.child == WORLD or self.group[joint.child] == WORLD
-            before, last = ends[::-1] if turned else ends
+            turned = self.group[joint.child] == WORLD
+            before, last = joint.ends[::-1] if turned else joint.ends
             loop = {"parent": self.number[before], "loop": -1 - n}
             self.list_joint(facts, joint, self.number[self.group[last]], turned, loop)
-        return bodies, facts
-
-    def body(self, link: Link, parent: int) -> Facts:
-        """Return a link as a body."""
-        (r, e), R = link.pose, matrix(link.pose[1])
-        return {
-            "name": link.name, "parent": parent, "position": r, "quaternion": e, "mass": link.mass,
-            "centre": r + R @ link.com, "inertia": R @ link.inertia @ R.T, "gravcomp": float(link.weightless),
-            "geoms": self.geoms(link),
-        }  # fmt: skip
 
     def list_joint(self, facts: list[Facts], joint: Connection, body: int, turned: bool, loop: Facts | None) -> None:
         """List a joint by its coordinates; where the parent is carried by the child, in the reverse order and sense."""
@@ -525,10 +388,6 @@ class SdfModel:
         for kind in ("effort", "velocity"):
             if 0.0 <= number_in(limit, kind, -1.0) < UNLIMITED:
                 self.add(kind, name, joint)
-
-    def add(self, kind: str, what: str, joint: Connection, count: int = 1) -> None:
-        """Keep something that is not among the facts."""
-        self.foreign.append({"kind": kind, "what": what, "element": ("joint", joint.name), "count": count})
 
     def list_couplings(self, facts: Facts) -> None:
         """List gearboxes and mimics."""
@@ -579,7 +438,7 @@ class SdfModel:
         names.append(f"{lead} {2 if second else 1}" if f"{lead} 1" in self.hinges else lead)
         for name in names:
             if name not in self.hinges:
-                raise InputError(f"{mimic.place}: '{name[:60]}' is no joint that moves; name one")
+                raise InputError(f"{mimic.place}: '{name[:60]}' is not a joint that moves; name one")
         factor, offset, zero = (number_in(mimic, tag, x) for tag, x in MIMIC_DEFAULTS.items())
         start = offset - factor * zero
         if not np.isfinite(start) or abs(start) > 1e-12:
@@ -595,54 +454,20 @@ class SdfModel:
         polynomial = [0.0, ratio, 0.0, 0.0, 0.0]
         facts["equalities"].append({"name": title, "type": "joint", "joints": [y, x], "polynomial": polynomial})
 
-    def list_contacts(self) -> None:
-        """List links that could collide."""
-        able = [link for link in self.links.values() if link.node and link.node.all("collision")]
-        if len({self.group[link.name] for link in able}) > 1:
-            what, element = f"{able[0].name} with {able[-1].name}, and perhaps others", ("body", able[0].name)
-            self.foreign.append({"kind": "contact", "what": what, "element": element, "count": 0})
+    def look(self, link: SdfLink, visual: Node) -> tuple[Facts | None, Pose]:
+        shape, pose = shape_of(visual), pose_in(link, visual)
+        if shape.tag == "mesh":
+            return self.mesh(words_of(shape.child("uri")), scale_of(shape), shape.folder), pose
+        return None if shape.tag in UNBOUNDED else geometry_of(shape), pose
 
-    def geoms(self, link: Link) -> list[Facts]:
-        """Return what is drawn of a link; a look that is not understood is missing, and no more."""
-        found: list[Facts] = []
-        for visual in link.node.all("visual") if link.node else []:
-            try:
-                geometry, (pose, _) = visual.child("geometry"), raw_pose(visual)
-                geom = self.geom(geometry.children[0]) if geometry and geometry.children else None
-            except InputError as error:
-                self.missing.append(str(error))
-                continue
-            if geom is not None:
-                r, e = after(link.pose, pose)
-                found.append(geom | {"position": r, "quaternion": e, "shown": True, "colour": colour_of(visual)})
-        return found
-
-    def geom(self, shape: Node) -> Facts | None:
-        """Return kind and sizes of a visual; None, and the file missing, for what is not drawn."""
-        radius = number_in(shape, "radius", 0.0)
-        geom: Facts
-        match shape.tag:
-            case "box" | "ellipsoid":
-                node = shape.child("size" if shape.tag == "box" else "radii")
-                sizes = numbers_of(words_of(node), 3, shape.place)
-                geom = {"type": shape.tag, "size": 0.5 * sizes if shape.tag == "box" else sizes}
-            case "sphere":
-                geom = {"type": "sphere", "size": [radius] * 3}
-            case "cylinder" | "capsule":
-                geom = {"type": shape.tag, "size": [radius, 0.5 * number_in(shape, "length", 0.0), 0.1]}
-            case "mesh":
-                name, scale = words_of(shape.child("uri")), shape.child("scale")
-                factor = np.unique(numbers_of(words_of(scale, "1 1 1"), 3, shape.place))
-                path = self.folders.find(name)
-                if path is None or factor.size > 1 or factor[0] <= 0.0:
-                    self.missing.append(f"{name}: {'mirrored or stretched' if path else 'not found'}")
-                    return None
-                return {"type": "file", "path": str(path), "scale": float(factor[0])}
-            case _:
-                raise InputError(f"{shape.place}: is no shape that is drawn; give box, sphere, cylinder or mesh")
-        if min(geom["size"]) <= 0.0 or not np.isfinite(geom["size"]).all():
-            raise InputError(f"{shape.place}: a size is not positive; give lengths > 0")
-        return geom
+    def colour(self, visual: Node) -> list[float] | None:
+        material = visual.child("material")
+        diffuse = material.child("diffuse") if material else None
+        try:
+            values = [] if diffuse is None else [float(x) for x in words_of(diffuse).split()[:3]]
+            return [min(max(x, 0.0), 1.0) for x in values] if len(values) == 3 else None
+        except ValueError:
+            return None
 
     def keys(self, facts: Facts) -> list[Facts]:
         """Return the states of the world: poses and velocities of links, world axes."""
@@ -661,12 +486,12 @@ class SdfModel:
         for model, around in waiting:
             scope = around.inner.get(model.text("name"))
             if scope is None:
-                raise InputError(f"{model.place}: the state names '{model.text('name')[:60]}', which is no model")
+                raise InputError(f"{model.place}: the state names '{model.text('name')[:60]}', which is not a model")
             waiting += [(child, scope) for child in model.all("model")]
             for link in model.all("link"):
                 place = self.number.get(scope.full(link.text("name")))
                 if place is None:
-                    raise InputError(f"{link.place}: the state names '{link.text('name')[:60]}', which is no link")
+                    raise InputError(f"{link.place}: the state names '{link.text('name')[:60]}', which is not a link")
                 if link.child("pose") is not None:
                     poses[place] = np.concatenate(raw_pose(link)[0])
                 velocity = link.child("velocity")
@@ -715,12 +540,96 @@ def screw_pitch(node: Node) -> float:
     return pitch
 
 
-def colour_of(visual: Node) -> list[float] | None:
-    """Return red, green, blue of a visual, None where it has none."""
-    material = visual.child("material")
-    diffuse = material.child("diffuse") if material else None
-    try:
-        values = [] if diffuse is None else [float(x) for x in words_of(diffuse).split()[:3]]
-        return [min(max(x, 0.0), 1.0) for x in values] if len(values) == 3 else None
-    except ValueError:
-        return None
+def connected(names: Sequence[str], pairs: Sequence[tuple[str, str]]) -> dict[str, str]:
+    """Return, for each name, the first one of all that pairs connect it with."""
+    before = {name: name for name in names}
+    place = {name: n for n, name in enumerate(names)}
+
+    def first(name: str) -> str:
+        while before[name] != name:
+            before[name] = before[before[name]]
+            name = before[name]
+        return name
+
+    for a, b in pairs:
+        one, other = sorted((first(a), first(b)), key=place.__getitem__)
+        before[other] = one
+    return {name: first(name) for name in names}
+
+
+def pose_in(link: SdfLink, node: Node) -> Pose:
+    """Return the pose of an element of a link in the frame of the link."""
+    pose, frame = raw_pose(node)
+    if not frame or link.model is None:
+        return pose
+    return after(after(inverse(link.pose), link.model.pose(frame, node.place)), pose)
+
+
+def shape_of(parent: Node) -> Node:
+    """Return the shape of a visual or collision."""
+    geometry = parent.child("geometry")
+    if geometry is None or not geometry.children:
+        raise InputError(f"{parent.place}: has no <geometry> with a shape; give one")
+    return geometry.children[0]
+
+
+def scale_of(mesh: Node) -> np.ndarray:
+    """Return the factors (3,) of a mesh along its axes."""
+    return numbers_of(words_of(mesh.child("scale"), "1 1 1"), 3, mesh.place)
+
+
+UNBOUNDED = ("plane", "heightmap", "image", "empty")
+"""Shapes that are not drawn, and have no mass."""
+
+
+def geometry_of(shape: Node) -> Facts:
+    """Return kind and half sizes of a shape that is not a mesh."""
+    radius, half = (number_in(shape, tag, 0.0) * share for tag, share in (("radius", 1.0), ("length", 0.5)))
+    match shape.tag:
+        case "box":
+            size = 0.5 * numbers_of(words_of(shape.child("size")), 3, shape.place)
+        case "ellipsoid":
+            size = numbers_of(words_of(shape.child("radii")), 3, shape.place)
+        case "sphere":
+            size = np.full(3, radius)
+        case "cylinder" | "capsule" | "cone":
+            size = np.array([radius, half, radius])
+        case _:
+            raise InputError(
+                f"{shape.place}: is not a solid; give box, sphere, cylinder, capsule, ellipsoid, cone or mesh"
+            )
+    if size.min() <= 0.0 or not np.isfinite(size).all():
+        raise InputError(f"{shape.place}: a size is not positive; give lengths > 0")
+    return {"type": shape.tag, "size": size}
+
+
+def primitive(geometry: Facts, density: float) -> MassProperties:
+    """Return the mass properties of a homogeneous shape about its own frame; the tip of a cone is along z."""
+    a, b, c = sizes = geometry["size"]
+    match geometry["type"]:
+        case "box":
+            m, com = density * 8.0 * a * b * c, 0.0
+            I = box(m, 2.0 * sizes)
+        case "sphere" | "ellipsoid":
+            m, com = density * 4.0 / 3.0 * np.pi * a * b * c, 0.0
+            I = ellipsoid(m, sizes)
+        case "cylinder":
+            m, com = density * 2.0 * np.pi * a**2 * b, 0.0
+            I = cylinder(m, a, 2.0 * b)
+        case "capsule":
+            m, com = density * np.pi * a**2 * (2.0 * b + 4.0 / 3.0 * a), 0.0
+            I = capsule(m, a, 2.0 * b)
+        case _:
+            m, com = density * 2.0 / 3.0 * np.pi * a**2 * b, -0.5 * b
+            I = cone(m, a, 2.0 * b)
+    return MassProperties(float(m), np.array([0.0, 0.0, com]), np.diag(I))
+
+
+def scaled(whole: MassProperties, scale: np.ndarray) -> MassProperties:
+    """Return the mass properties of a homogeneous solid that is stretched along its axes.
+
+    With S = diag(scale) the mass grows by |det S|, and ``int x x' dm`` about the centre of mass to S (...) S times it.
+    """
+    S, more = np.diag(scale), abs(np.prod(scale))
+    spread = more * S @ (0.5 * np.trace(whole.inertia) * np.eye(3) - whole.inertia) @ S
+    return MassProperties(more * whole.mass, S @ whole.com, np.trace(spread) * np.eye(3) - spread)

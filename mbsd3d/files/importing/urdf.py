@@ -3,12 +3,11 @@
 Followers of a mimic start where their leaders put them. What acts on no motion is counted and passed over.
 """
 
-from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -17,32 +16,21 @@ from ...base.paths import read_text
 from ...base.rotations import matrix, multiply, rotation
 from .facts import Facts, carried, felt_inertia, length_of
 from .folders import Folders
+from .model_file import AT_HOME, Link, ModelFile, Pose, after, unloaded
 from .xacro import expanded, is_xacro
 from .xml_scan import FILES_BYTES_MAX
 from .xml_tree import Node, tree_of
 
 JOINT_KINDS = {
     "revolute": "hinge", "continuous": "hinge", "prismatic": "slide", "planar": "planar", "floating": "free",
-    "fixed": "fixed",
+    "fixed": "fixed", "spherical": "ball",
 }  # fmt: skip
+"""Types of joints; "spherical" is not a word of the format, but of one of its readers."""
 LINK_TAGS = ("inertial", "visual", "collision")
 INERTIAL_TAGS = ("mass", "inertia", "origin")
 JOINT_TAGS = ("parent", "child", "origin", "axis", "limit", "dynamics", "mimic", "safety_controller")
 WORLD = "world"  # a link of this name at the root is the ground, declared or not
 HELD_INERTIA_ROUNDING = 1e-12  # [m L^2] of mass and extent of the model: what a hinge turns, if it turns nothing
-
-
-@dataclass
-class Link:
-    """A link: what it weighs about its own frame, and where it is."""
-
-    name: str
-    node: Node | None
-    mass: float = 0.0
-    com: np.ndarray = field(default_factory=lambda: np.zeros(3))
-    inertia: np.ndarray = field(default_factory=lambda: np.zeros((3, 3)))
-    r: np.ndarray = field(default_factory=lambda: np.zeros(3))
-    e: np.ndarray = field(default_factory=lambda: np.array([1.0, 0.0, 0.0, 0.0]))
 
 
 @dataclass
@@ -63,7 +51,7 @@ class Connection:
 Named = TypeVar("Named", Link, Connection)
 
 
-class Robot:
+class Robot(ModelFile):
     """A URDF file; xacro is run where it is used."""
 
     def __init__(self, path: Path, folders: Folders, floating: bool | None, timeout: float, inputs: bool) -> None:
@@ -71,17 +59,9 @@ class Robot:
         root = tree_of(path, expanded(path, folders, timeout) if is_xacro(path, text) else text)
         if root.tag != "robot":
             raise InputError(f"'{path}': its root is <{root.tag}>, not <robot>; use the reader of its format")
-        self.root, self.folders, self.floating, self.inputs = root, folders, floating, inputs
-        self.idle: Counter[str] = Counter()
-        self.said: list[str] = []
+        super().__init__(folders)
+        self.root, self.floating, self.inputs = root, floating, inputs
         self.chosen: list[str] = []
-        self.missing: list[str] = []
-        self.foreign: list[Facts] = []
-        self.places: dict[tuple[str, str], str] = {}
-
-    def place_of(self, tag: str, name: str) -> str:
-        """Return line and element of a link ("body"), joint or mimic ("equality")."""
-        return self.places.get((tag, name), "")
 
     def facts(self) -> Facts:
         """Return bodies, joints and couplings for the builder."""
@@ -102,9 +82,10 @@ class Robot:
         self.list_mimics(facts, places)
         if self.inputs:
             facts["actuators"] = self.motors(places)
-        self.list_contacts(bodies)
-        for body in bodies:
-            body["geoms"] = self.geoms(body.pop("link"))
+        for name, i in number.items():
+            bodies[i]["geoms"] = self.geoms(self.links[name])
+        able = [name for name in number if (node := self.links[name].node) and node.all("collision")]
+        self.list_contacts([(name, bodies[number[name]]["weld"]) for name in able])
         points = [
             {"name": b["name"], "body": i, "position": b["position"], "axes": matrix(b["quaternion"])}
             for i, b in enumerate(bodies)
@@ -163,7 +144,7 @@ class Robot:
         links = [end.text("link") if end else "" for end in ends]
         for end, link in zip(("parent", "child"), links, strict=True):
             if link not in self.links:
-                raise InputError(f"{node.place}: {end} of joint '{name}' is '{link}', which is no link; name a link")
+                raise InputError(f"{node.place}: {end} of joint '{name}' is '{link}', which is not a link; name a link")
         origin, turn = place_in_parent(node.one("origin"))
         axis_node = node.one("axis")
         axis = np.array([1.0, 0.0, 0.0]) if axis_node is None else axis_node.numbers("xyz", 3, (1.0, 0.0, 0.0))
@@ -225,39 +206,29 @@ class Robot:
             return None
         name = mimic.text("joint")
         if name not in self.joints:
-            raise InputError(f"{mimic.place}: joint '{joint.name}' follows '{name[:60]}', which is no joint; name one")
+            raise InputError(
+                f"{mimic.place}: joint '{joint.name}' follows '{name[:60]}', which is not a joint; name one"
+            )
         return self.joints[name]
 
     def set_poses(self, order: list[str]) -> None:
         """Set where the links are at the start."""
         for name in order[1:]:
             joint, link = self.above[name], self.links[name]
-            parent = self.links[joint.parent]
-            link.r = parent.r + matrix(parent.e) @ joint.origin
-            link.e = multiply(parent.e, joint.turn)
+            link.pose = after(self.links[joint.parent].pose, (joint.origin, joint.turn))
             if joint.kind == "hinge" and joint.start:
-                link.e = multiply(link.e, rotation(joint.axis, joint.start))
+                link.pose = after(link.pose, (np.zeros(3), rotation(joint.axis, joint.start)))
             elif joint.kind == "slide":
-                link.r = link.r + matrix(link.e) @ joint.axis * joint.start
-            link.e = link.e / np.linalg.norm(link.e)
+                link.pose = after(link.pose, (joint.axis * joint.start, AT_HOME[1]))
 
     def bodies(self, order: list[str]) -> tuple[list[Facts], dict[str, int]]:
         """Return the world and all links, welded where joints are fixed, and the number of every link."""
-        nothing = {"mass": 0.0, "centre": np.zeros(3), "inertia": np.zeros((3, 3)), "gravcomp": 0.0}
-        world = {"name": WORLD, "parent": 0, "weld": 0, "position": np.zeros(3), "quaternion": [1.0, 0.0, 0.0, 0.0]}
-        found, number = [world | nothing | {"link": None}], {}
+        found, number = [Link(WORLD, None).facts(0, 0) | {"geoms": []}], {}
         for i, name in enumerate(order, 1):
-            link, number[name] = self.links[name], i
-            R, joint = matrix(link.e), self.above.get(name)
+            number[name], joint = i, self.above.get(name)
             parent = number[joint.parent] if joint else 0
             fixed = joint is not None and joint.kind == "fixed"
-            found.append(
-                {
-                    "name": name, "parent": parent, "weld": found[parent]["weld"] if fixed else i,
-                    "position": link.r, "quaternion": link.e, "mass": link.mass, "centre": link.r + R @ link.com,
-                    "inertia": R @ link.inertia @ R.T, "link": link,
-                }
-            )  # fmt: skip
+            found.append(self.links[name].facts(parent, found[parent]["weld"] if fixed else i))
         return found, number
 
     def weld_unfelt(self, facts: Facts, number: dict[str, int], order: list[str]) -> None:
@@ -289,7 +260,7 @@ class Robot:
     def line_of(self, joint: Connection) -> Facts:
         """Return point and direction of the axis of a joint, world."""
         link = self.links[joint.child]
-        return {"anchor": link.r, "axis": matrix(link.e) @ joint.axis}
+        return {"anchor": link.pose[0], "axis": matrix(link.pose[1]) @ joint.axis}
 
     def base(self, facts: Facts, root: str) -> None:
         """Fix the root to the world or let it float."""
@@ -346,15 +317,13 @@ class Robot:
                     fact["limit"] = [lower - joint.start, upper - joint.start]
                 else:
                     self.add("limit", f"range of {joint.name}, whose lower end is the higher one", joint)
+            elif given and joint.kind in ("ball", "planar"):
+                self.add("limit", f"range of {joint.name}", joint)
             for kind in ("effort", "velocity"):
                 if kind in limits.attributes:
                     self.add(kind, joint.name, joint)
         if node.one("safety_controller") is not None:
             self.add("safety", joint.name, joint)
-
-    def add(self, kind: str, what: str, joint: Connection, count: int = 1) -> None:
-        """Keep something that is not among the facts."""
-        self.foreign.append({"kind": kind, "what": what, "element": ("joint", joint.name), "count": count})
 
     def list_mimics(self, facts: Facts, places: dict[str, int]) -> None:
         """List couplings of followers to their leaders."""
@@ -388,31 +357,8 @@ class Robot:
             found.append({"name": name, "joint": place, "range": span, "limited": False} | plain)
         return found
 
-    def list_contacts(self, bodies: list[Facts]) -> None:
-        """List bodies that could collide."""
-        able = [b for b in bodies if b["link"] is not None and b["link"].node and b["link"].node.all("collision")]
-        if len({body["weld"] for body in able}) > 1:
-            what = f"{able[0]['name']} with {able[-1]['name']}, and perhaps others"
-            element = ("body", able[0]["name"])
-            self.foreign.append({"kind": "contact", "what": what, "element": element, "count": 0})
-
-    def geoms(self, link: Link | None) -> list[Facts]:
-        """Return what is drawn of a link; a look that is not understood is missing, and no more."""
-        found = []
-        for visual in link.node.all("visual") if link and link.node else []:
-            try:
-                geom = self.geom(visual)
-                at, turn = place_in_parent(visual.one("origin"))
-            except InputError as error:
-                self.missing.append(str(error))
-                continue
-            if geom is None or link is None:
-                continue
-            position, quaternion = link.r + matrix(link.e) @ at, multiply(link.e, turn)
-            found.append(
-                geom | {"position": position, "quaternion": quaternion, "shown": True, "colour": self.colour(visual)}
-            )
-        return found
+    def look(self, link: Link, visual: Node) -> tuple[Facts | None, Pose]:
+        return self.geom(visual), place_in_parent(visual.one("origin"))
 
     def geom(self, visual: Node) -> Facts | None:
         """Return kind and sizes of a visual; None, and the file missing, for a mesh that is not there or not plain."""
@@ -427,13 +373,8 @@ class Robot:
                 radius, length = positive(shape, "radius", 1)[0], positive(shape, "length", 1)[0]
                 return {"type": shape.tag, "size": [radius, 0.5 * length, 0.0]}
             case "mesh":
-                name, scale = shape.text("filename"), np.unique(shape.numbers("scale", 3, (1.0, 1.0, 1.0)))
-                path = self.folders.find(name)
-                if path is not None and scale.size == 1 and scale[0] > 0.0:
-                    return {"type": "file", "path": str(path), "scale": float(scale[0])}
-                self.missing.append(f"{name}: {'mirrored or stretched' if path else 'not found'}")
-                return None
-        raise InputError(f"{shape.place}: is no shape that is drawn; give box, sphere, cylinder or mesh")
+                return self.mesh(shape.text("filename"), shape.numbers("scale", 3, (1.0, 1.0, 1.0)))
+        raise InputError(f"{shape.place}: is not a shape that is drawn; give box, sphere, cylinder or mesh")
 
     @cached_property
     def materials(self) -> dict[str | None, list[Node]]:
@@ -496,9 +437,3 @@ def positive(node: Node, name: str, count: int) -> np.ndarray:
     if found.min() <= 0.0:
         raise InputError(f"{node.place}: {name} is not positive; give lengths > 0")
     return found
-
-
-def unloaded(name: str, kind: str, body: int) -> dict[str, Any]:
-    """Return a joint on which nothing acts."""
-    loads = {"stiffness": 0.0, "damping": 0.0, "friction": 0.0, "armature": 0.0, "rest": 0.0, "limit": None}
-    return {"name": name, "type": kind, "body": body, "axis": np.array([1.0, 0.0, 0.0])} | loads

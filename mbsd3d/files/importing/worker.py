@@ -36,7 +36,7 @@ TENDON_LOADS = {
     "frictionloss": "FRICTIONLOSS", "armature": "",
 }  # fmt: skip
 """What makes a tendon pull always, and the flag that switches it off."""
-LINEAR_LOADS = ("stiffness", "damping")
+LINEAR_LOADS = ("stiffness", "damping", "frictionloss", "armature")
 """Those of a fixed tendon that are built."""
 
 
@@ -133,11 +133,11 @@ class Facts:
         return float(weights @ (self.start[places] - self.model.qpos0[places]))
 
     def wrapped(self, i: int) -> tuple[list[int], np.ndarray]:
-        """Return joints and coefficients of a fixed tendon; none of a spatial one."""
+        """Return joints and coefficients, none zero, of a fixed tendon; none of a spatial one."""
         m = self.model
         own = slice(m.tendon_adr[i], m.tendon_adr[i] + m.tendon_num[i])
-        fixed = m.wrap_type[own.start] == self.mujoco.mjtWrap.mjWRAP_JOINT
-        return (m.wrap_objid[own].tolist(), m.wrap_prm[own]) if fixed else ([], np.zeros(0))
+        acts = (m.wrap_type[own] == self.mujoco.mjtWrap.mjWRAP_JOINT) & (m.wrap_prm[own] != 0.0)
+        return m.wrap_objid[own][acts].tolist(), m.wrap_prm[own][acts]
 
     def active_equalities(self) -> list[int]:
         """Return the numbers of the equalities that hold at the start."""
@@ -164,6 +164,11 @@ class Facts:
         """Return whether a joint is a hinge or slide, of one coordinate."""
         kinds = self.mujoco.mjtJoint
         return self.model.jnt_type[i] in (int(kinds.mjJNT_HINGE), int(kinds.mjJNT_SLIDE))
+
+    def has_moved(self, i: int) -> bool:
+        """Return whether a ball or free joint starts elsewhere than at its zero, from which its loads count."""
+        places = slice(self.model.jnt_qposadr[i], self.model.jnt_qposadr[i] + (7, 4, 0, 0)[self.model.jnt_type[i]])
+        return not np.array_equal(self.start[places], self.model.qpos0[places])
 
     def weak_motors(self) -> list[int]:
         """Return joints whose actuators balance weights, but are off or may be too weak for it."""
@@ -229,7 +234,7 @@ class Facts:
         for i in range(m.njnt):
             kind = self.mujoco.mjtJoint(m.jnt_type[i]).name.removeprefix("mjJNT_").lower()
             q, v, single = m.jnt_qposadr[i], m.jnt_dofadr[i], self.is_single(i)
-            limited = single and m.jnt_limited[i] and not self.off("LIMIT")
+            limited = m.jnt_limited[i] and kind != "free" and not self.off("LIMIT") and not self.has_moved(i)
             found.append(
                 {
                     "name": self.name("joint", i),
@@ -237,12 +242,12 @@ class Facts:
                     "body": int(m.jnt_bodyid[i]),
                     "anchor": d.xanchor[i],
                     "axis": d.xaxis[i],
-                    "stiffness": m.jnt_stiffness.ravel()[i] if springs else 0.0,
+                    "stiffness": m.jnt_stiffness.ravel()[i] if springs and not self.has_moved(i) else 0.0,
                     "damping": m.dof_damping.ravel()[v] + single * self.geared(i, "damping") if dampers else 0.0,
                     "armature": m.dof_armature[v] + self.geared(i, "armature") if single else m.dof_armature[v],
                     "friction": 0.0 if self.off("FRICTIONLOSS") else m.dof_frictionloss[v],
                     "rest": m.qpos_spring[q] - self.start[q] if single else 0.0,
-                    "limit": m.jnt_range[i] - self.start[q] if limited else None,
+                    "limit": m.jnt_range[i] - single * self.start[q] if limited else None,
                 }
             )
         return found
@@ -285,19 +290,33 @@ class Facts:
         return {"sums": sums, "polynomial": polynomial}
 
     def tendons(self) -> list[dict[str, Any]]:
-        """Return fixed tendons with a spring or damper, their rest lengths counted from the start."""
+        """Return fixed tendons that have loads or limits; their lengths are counted from the start."""
         m, found = self.model, []
         for i in range(m.ntendon):
             joints, weights = self.wrapped(i)
             k = 0.0 if self.off("SPRING") else float(np.ravel(m.tendon_stiffness[i])[0])
             c = 0.0 if self.off("DAMPER") else float(np.ravel(m.tendon_damping[i])[0])
-            if joints and (k or c):
-                rest = m.tendon_lengthspring[i] - weights @ self.start[m.jnt_qposadr[joints]]
+            friction = 0.0 if self.off("FRICTIONLOSS") else m.tendon_frictionloss[i]
+            armature, limited = m.tendon_armature[i], bool(m.tendon_limited[i]) and not self.off("LIMIT")
+            if joints and armature and not self.in_a_row(joints):
+                name = self.name("tendon", i)
+                self.said.append(f"armature of tendon '{name}' couples branches, between which MuJoCo leaves it out")
+            if joints and (k or c or friction or armature or limited):
+                start = weights @ self.start[m.jnt_qposadr[joints]]
                 found.append({
                     "name": self.name("tendon", i), "joints": joints, "weights": weights, "stiffness": k, "damping": c,
-                    "rest": rest,
+                    "rest": m.tendon_lengthspring[i] - start, "limit": m.tendon_range[i] - start if limited else None,
+                    "friction": friction, "armature": armature,
                 })  # fmt: skip
         return found
+
+    def in_a_row(self, joints: list[int]) -> bool:
+        """Return whether the bodies of joints are on one branch of the tree."""
+        rest, body = {int(self.model.jnt_bodyid[k]) for k in joints}, int(self.model.jnt_bodyid[joints].max())
+        while body:  # a body has a higher number than the one that carries it
+            rest.discard(body)
+            body = int(self.model.body_parentid[body])
+        return not rest
 
     def ends(self, i: int, kind: str) -> dict[str, Any]:
         """Return bodies and world points of a connection, at the pose in which it holds."""
@@ -319,10 +338,10 @@ class Facts:
             self.list_tendon(i)
         for i in range(m.njnt):
             v, name = slice(m.jnt_dofadr[i], m.jnt_dofadr[i] + (6, 3, 1, 1)[m.jnt_type[i]]), self.name("joint", i)
-            if m.jnt_limited[i] and m.jnt_type[i] == self.mujoco.mjtJoint.mjJNT_BALL and not self.off("LIMIT"):
-                self.add("limit", f"range of {name}", ("joint", name))
-            if m.dof_armature[v].any() and m.jnt_type[i] == self.mujoco.mjtJoint.mjJNT_BALL:
-                self.add("armature", name, ("joint", name))
+            if self.has_moved(i) and m.jnt_stiffness.ravel()[i] and not self.off("SPRING"):
+                self.add("passive", f"stiffness of {name}, which has moved to close loops", ("joint", name))
+            if self.has_moved(i) and m.jnt_limited[i] and not self.off("LIMIT"):
+                self.add("limit", f"range of {name}, which has moved to close loops", ("joint", name))
             if self.curved(m.jnt_stiffnesspoly[i], m.dof_dampingpoly[v]):
                 self.add("passive", f"polynomial stiffness or damping of {name}", ("joint", name))
         for i in range(m.nactuator):
@@ -404,7 +423,7 @@ class Facts:
         return found
 
     def why_asked(self, i: int) -> str:
-        """Return why an actuator is no motor and no servo of a hinge or slide, "" if it is one."""
+        """Return why an actuator is neither a motor nor a servo of a hinge or slide, "" if it is one."""
         m, mujoco = self.model, self.mujoco
         if m.actuator_trntype[i] not in self.gears or not self.is_single(m.actuator_trnid[i, 0]):
             return "acts on no single hinge or slide"
@@ -433,7 +452,7 @@ class Facts:
         ]
         if acts:
             self.add("tendon", f"{name}, which has {' and '.join(dict.fromkeys(acts))}", ("tendon", name))
-        if m.tendon_limited[i] and not self.off("LIMIT"):
+        if m.tendon_limited[i] and not self.off("LIMIT") and not self.wrapped(i)[0]:
             self.add("limit", f"length of tendon {name}, from which nothing hangs here", ("tendon", name))
 
     def list_contacts(self) -> None:
@@ -558,6 +577,8 @@ class Undressed:
                 elif named or geom.type in (mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_HFIELD):
                     self.undress(geom)
         self.colour()
+        for light in spec.lights:
+            light.texture = ""
         for kind in ("skins", "materials", "textures", "hfields"):
             for part in list(getattr(spec, kind)):
                 spec.delete(part)

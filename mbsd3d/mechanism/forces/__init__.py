@@ -1,1 +1,1 @@
-"""Force elements: what they are given, and the record that the kernels read."""
+"""Force elements: their parameters, and the records that the kernels read."""

@@ -35,7 +35,20 @@ def force(m, d, p, out, t):
 class Force(ForceElement):
     """A force [N] at a point of a body; components are numbers or signals, in world or body axes.
 
-    ``at`` None is the centre of mass. Its work is counted, it stores no energy.
+    Its work enters the energy balance; it stores no energy.
+
+    Parameters
+    ----------
+    body : Body
+        Body on which it acts.
+    force : three numbers or signals
+        Components [N].
+    at : (3,), optional
+        Point of the body [m], world axes at the reference pose, fixed to the body; by default the centre of mass.
+    frame : "world" or "body"
+        Axes of the components: fixed in space, or those of the body.
+    name : str, optional
+        For results and messages; "Force 1" and so on by default.
 
     Examples
     --------
@@ -76,13 +89,27 @@ def torque(m, d, p, out, t):
 class Torque(ForceElement):
     """A torque [N m] on a body; components are numbers or signals, in world or body axes.
 
+    Its work enters the energy balance; it stores no energy.
+
+    Parameters
+    ----------
+    body : Body
+        Body on which it acts.
+    torque : three numbers or signals
+        Components [N m].
+    frame : "world" or "body"
+        Axes of the components: fixed in space, or those of the body.
+    name : str, optional
+        For results and messages; "Torque 1" and so on by default.
+
     Examples
     --------
-    >>> from mbsd3d import Body, System, Torque, accelerations
+    >>> from mbsd3d import Body, System, Torque, simulate
     >>> rotor = Body("rotor", mass=2.0, inertia=(0.3, 0.3, 0.4))
-    >>> system = System([rotor], forces=[Torque(rotor, (0, 0, 0.6))], gravity=(0, 0, 0))
-    >>> round(float(accelerations(system).alpha(rotor)[0, 2]), 12)
-    1.5
+    >>> system = System([rotor], forces=[Torque(rotor, (0, 0, 0.6), name="motor")], gravity=(0, 0, 0))
+    >>> run = simulate(system, 2.0)
+    >>> float(run.omega(rotor)[-1, 2].round(9)), float(run.work("motor")[-1].round(9))  # T t / I, and half I omega^2
+    (3.0, 1.8)
     """
 
     law = staticmethod(torque)

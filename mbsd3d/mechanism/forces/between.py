@@ -41,7 +41,7 @@ def force_between(m, d, p, out, t):
 class ForceBetween(ForceElement):
     """A force [N] of body a on body b at a point of b, and the opposite one on a at the same place.
 
-    Components are numbers or signals. Both act along one line, so that momentum and angular momentum of the pair are
+    Components are numbers or signals. Both act along one line, so momentum and angular momentum of the pair are
     kept. Its work is counted, it stores no energy.
 
     Parameters
@@ -52,7 +52,7 @@ class ForceBetween(ForceElement):
     at : (3,) array_like or None
         The point, carried by b, world at the reference pose [m]; None = centre of mass of b.
     frame : "world", "a" or "b"
-        Whose axes the components are along: of the world, or body axes of a or b, which turn with it.
+        Axes of the components: those of the world, or the body axes of a or b.
 
     Examples
     --------
@@ -109,7 +109,7 @@ class TorqueBetween(ForceElement):
     torque : three numbers or signals
         On b [N m].
     frame : "world", "a" or "b"
-        Whose axes the components are along: of the world, or body axes of a or b, which turn with it.
+        Axes of the components: those of the world, or the body axes of a or b.
 
     Examples
     --------

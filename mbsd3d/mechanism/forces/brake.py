@@ -1,4 +1,4 @@
-"""A brake or a clutch: dry friction in a hinge or slide that slips at a torque of your own, and holds at rest."""
+"""A brake or a clutch: dry friction in a hinge or slide that slips at a given torque and holds at rest."""
 
 from dataclasses import KW_ONLY
 
@@ -45,12 +45,12 @@ class Brake(ForceElement):
 
     The yielding z is an internal state, ``z_dot = (f - k z) / c`` with the f that acts. While f stays within T it is
     ``z_dot = x_dot``: the brake holds like a spring and a damper and does not creep. Beyond, it slips with T exactly.
-    It never turns anything back by more than T/k, and it dissipates in every case. Energy ``k z^2 / 2``.
+    It never turns anything back by more than T/k, and it always dissipates. Energy ``k z^2 / 2``.
 
     Parameters
     ----------
     torque : Signal or float
-        T [N m or N]; a signal below 0 counts as 0, which releases it.
+        T [N m or N]; a signal below 0 counts as 0, which releases the brake.
     stiffness, damping : float
         k > 0 [N m/rad or N/m], c > 0 [N m s/rad or N s/m]. It yields by T/k before it slips; what it holds, a mass m on
         a wheel of radius r say, comes to rest without much ringing for c near ``sqrt(k m r^2)``.

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import PchipInterpolator
 
 from ...base.checks import check_choice, check_size, floats
 from ...base.errors import InputError
@@ -91,6 +90,8 @@ class ByTable(ForceElement):
         if self.between == "linear":
             c = np.column_stack([0.0 * slope, 0.0 * slope, slope, y[:-1]])
         else:
+            from scipy.interpolate import PchipInterpolator  # a tenth of a second, for such tables alone
+
             c = PchipInterpolator(x, y).c.T
         starts = x[:-1]
         reach = END_ROUNDING * (x[-1] - x[0])

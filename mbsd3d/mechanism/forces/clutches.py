@@ -1,4 +1,4 @@
-"""Clutches that slip and lock, freewheels and ratchets: what lets a hinge or slide turn one way, or up to a load."""
+"""Slipping clutches, freewheels and ratchets: parts that hold a hinge or slide one way, or up to a load."""
 
 from dataclasses import KW_ONLY
 from typing import ClassVar
@@ -56,7 +56,7 @@ class HingeLock(Lock):
         return ForceRecord((x.a, x.b), parameters={"load": self.slip_load(mode)}, coordinate=x)
 
     def slip_load(self, mode: Mode) -> float:
-        """Return the load along the coordinate in a mode that does not hold it."""
+        """Return the load along the coordinate in a mode in which it is free."""
         return 0.0
 
 
@@ -66,6 +66,13 @@ class Freewheel(HingeLock):
 
     The rate of the coordinate is never below 0. Where it would be, the coordinate is held by a row, until the load of
     the row changes sign. Two parts on one axis need a joint between them for it: ``Revolute(lever, shaft)``.
+
+    Parameters
+    ----------
+    hinge : Joint
+        A joint with an angle, or else a slide; its rate [rad/s or m/s] is that of b relative to a.
+    name : str, optional
+        For results and messages; "Freewheel 1" and so on by default.
 
     Examples
     --------
@@ -81,9 +88,7 @@ class Freewheel(HingeLock):
     leaves: ClassVar[str] = "runs free"
 
     def touching(self, mode: Mode, x: float, rate: float, slack: float, slow: float) -> Mode | None:
-        if self.holds(mode):
-            return mode
-        return Mode("held", (x,)) if rate <= slow else None
+        return mode if self.holds(mode) else Mode("held", (x,))  # an impact elsewhere may turn it back, at any rate
 
     def watched(self, mode: Mode) -> list[Watch]:
         return self.watch_load(mode) if self.holds(mode) else [Watch(self.rate_measure() < 0.0, "locks")]
@@ -101,7 +106,7 @@ class Ratchet(HingeLock):
     hinge : Joint
         A joint with an angle.
     teeth : int
-        Number of teeth of a whole turn.
+        Number of teeth per revolution.
 
     Examples
     --------
@@ -122,7 +127,7 @@ class Ratchet(HingeLock):
     def check(self, what: str) -> None:
         coordinate_of(self.hinge, "angle", what)
         if self.teeth % 1.0:
-            raise InputError(f"{what}: teeth = {self.teeth:g} is not a whole number; give the teeth of a whole turn")
+            raise InputError(f"{what}: teeth = {self.teeth:g} is not a whole number; give the teeth per revolution")
 
     @property
     def pitch(self) -> float:
@@ -167,7 +172,7 @@ class Clutch(HingeLock):
     torque : float
         T > 0 [N m or N].
     engage, release : Condition or None
-        It closes or opens each time that one comes true.
+        Conditions that close or open the clutch each time they become true.
     engaged : bool
         Whether it is closed at the start; needed where there is no ``engage``.
 
@@ -215,11 +220,14 @@ class Clutch(HingeLock):
             return OPEN
         return self.yielding(mode, watch.condition.direction) if self.holds(mode) else CLOSED
 
-    def excess(self, load: float, mode: Mode) -> float:
+    def excess(self, load: float, mode: Mode, capacity: float) -> float:
         return abs(load) - self.torque
 
     def returns(self, a: float, held: Mode, free: Mode) -> float:
         return -free.numbers[0] * a
+
+    def helps(self, free: Mode, rate: float) -> bool:
+        return free.name == "slipping" and free.numbers[0] * rate < 0.0
 
     def touching(self, mode: Mode, x: float, rate: float, slack: float, slow: float) -> Mode | None:
         if self.holds(mode):
@@ -233,4 +241,7 @@ class Clutch(HingeLock):
         if self.holds(mode):
             load = self.load_measure()
             return [*found, Watch(load > self.torque, "slips"), Watch(load < -self.torque, "slips")]
-        return [*found, Watch(Condition(self.rate_measure(), 0.0, -mode.numbers[0]), "locks")]
+        return [*found, *(Watch(bound, "locks") for bound in self.bounds(mode))]
+
+    def bounds(self, mode: Mode) -> list[Condition]:
+        return [Condition(self.rate_measure(), 0.0, -mode.numbers[0])] if mode.name == "slipping" else []

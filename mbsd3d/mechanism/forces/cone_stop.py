@@ -1,4 +1,4 @@
-"""Stops of ball and universal joints: they limit how far an axis swings, and how far the body turns about it."""
+"""Stops of ball and universal joints: limits of swing and twist, or of the total rotation angle."""
 
 from dataclasses import KW_ONLY
 from typing import Any
@@ -12,13 +12,14 @@ from ...base.rotations import perpendiculars
 from ...compiler.decorators import inner_kernel
 from ...compiler.records import Parameters
 from ...kernels.coordinates import arctan2
-from ...kernels.force_laws import add_moment
+from ...kernels.force_laws import add_moment, stop_load
 from ...kernels.vectors import add, columns, cross, dot, scale, sub, vec
 from ..force_element import ForceRecord
 from ..joints import Joint
 from ..joints.conditions import ConstantVelocity
 from ..joints.pairs import Spherical, Universal
-from .end_stop import Stop, see_gap, stop_load
+from .end_stop import Stop, see_gap
+from .rotation_spring import built_turn, turn_since
 
 OPPOSITE_COSINE = -1.0 + 1e-12  # [1] of axes that are opposite to 1e-6 rad: a swing between them has no axis
 SWINGING_JOINTS = (Spherical, Universal, ConstantVelocity)
@@ -26,6 +27,8 @@ CONE_STOP = Parameters(
     stiffness="N m/rad", damping="N m s/rad", half_angle="rad", middle_twist="rad", half_twist="rad"
 )  # fmt: skip
 cone_stop_parameters = CONE_STOP.reader()
+ROTATION_STOP = Parameters(stiffness="N m/rad", damping="N m s/rad", angle="rad", built=("1", 4))
+rotation_stop_parameters = ROTATION_STOP.reader()
 
 
 @inner_kernel
@@ -78,7 +81,7 @@ def cone_stop(m, d, p, out, t):
 
 @inner_kernel
 def cone_stop_gap(m, d, p, limit, t, seen):
-    """See how far the limit of the swing (0), or that of the lower (1) or upper twist, is away."""
+    """Store the distance to the limit of the swing (0), the lower (1) or the upper twist (2)."""
     own = cone_stop_parameters(m.number, p.number)
     a, b = d.body[p.body[0]], d.body[p.body[1]]
     A, B, w = columns(a, p.frame[0]), columns(b, p.frame[1]), sub(vec(b.w), vec(a.w))
@@ -110,6 +113,16 @@ class RangeOrNone(Stored[tuple[float, float] | None, tuple[float, float] | None]
     convert = staticmethod(or_none(as_range))
 
 
+def check_swings(joint: Any, what: str) -> None:
+    """Accept a joint whose axis is free to swing."""
+    if not isinstance(joint, SWINGING_JOINTS):
+        kind = type(joint).__name__ if isinstance(joint, Joint) else short_repr(joint)
+        raise InputError(
+            f"{what}: {kind} does not swing; give a Spherical, Universal or ConstantVelocity, and limit the angle "
+            "of a hinge by an EndStop"
+        )
+
+
 @part_class()
 class ConeStop(Stop):
     """Stop of a ball or universal joint: ``axis_b`` of b stays within a cone about ``axis_a`` of a.
@@ -127,7 +140,7 @@ class ConeStop(Stop):
         Axis of the cone, in a, and the axis that stays in it, in b: world at the reference pose; ``axis_b`` None = the
         same direction. Of a universal joint these are the shafts, not the arms of its cross.
     half_angle : float
-        Of the cone [rad], between 0 and pi.
+        Half angle of the cone [rad], between 0 and pi.
     twist : (lower, upper) or None
         Limits of the twist [rad], less than a turn apart; None: it is free.
     stiffness, damping : float
@@ -165,16 +178,11 @@ class ConeStop(Stop):
     damping: Number = kept(default=0.0, minimum=0.0)
 
     def check(self, what: str) -> None:
-        if not isinstance(self.joint, SWINGING_JOINTS):
-            kind = type(self.joint).__name__ if isinstance(self.joint, Joint) else short_repr(self.joint)
-            raise InputError(
-                f"{what}: {kind} does not swing; give a Spherical, Universal or ConstantVelocity, and limit the angle "
-                "of a hinge by an EndStop"
-            )
+        check_swings(self.joint, what)
         if not self.half_angle < np.pi:
             raise InputError(f"{what}: half_angle = {self.half_angle:g} limits nothing; give less than pi")
         if self.axis_a @ self.axis_b < OPPOSITE_COSINE:
-            raise InputError(f"{what}: axis_a and axis_b are opposite, so the swing has no way; turn one of them round")
+            raise InputError(f"{what}: axis_a and axis_b are opposite, so the swing has no direction; reverse one")
 
     def depth_as_built(self) -> float:
         low, high = (0.0, 0.0) if self.twist is None else self.twist
@@ -191,6 +199,94 @@ class ConeStop(Stop):
             frame=np.column_stack([*on_a, self.axis_a]), frame_b=np.column_stack([*on_b, self.axis_b]),
             parameters=self.read_by_law(middle_twist=middle, half_twist=high - middle),
         )  # fmt: skip
+
+    def partners(self) -> tuple:
+        return (self.joint,)
+
+
+@inner_kernel
+def turned(own, a, b):
+    """Return (angle by which b has turned relative to a since it was built, its axis); 0 has no axis."""
+    theta = turn_since(a, b, own.built)
+    angle = np.sqrt(dot(theta, theta))
+    return angle, scale(1.0 / angle if angle.real > 0.0 else 0.0 * angle, theta)
+
+
+@inner_kernel
+def rotation_stop(m, d, p, out, t):
+    """Apply a moment against the turn beyond its limit, about its axis n: the rate of the angle is n . w."""
+    own = rotation_stop_parameters(m.number, p.number)
+    a, b = d.body[p.body[0]], d.body[p.body[1]]
+    angle, axis = turned(own, a, b)
+    rate = dot(axis, sub(vec(b.w), vec(a.w)))
+    load, elastic = stop_load(own.stiffness, own.damping, angle - own.angle, rate)
+    out.potential = 0.5 * elastic * elastic / own.stiffness
+    out.power = (elastic - load) * rate
+    add_moment(a, scale(load, axis))
+    add_moment(b, scale(-load, axis))
+
+
+@inner_kernel
+def rotation_stop_gap(m, d, p, limit, t, seen):
+    """Store the distance to the limit of the rotation angle."""
+    own = rotation_stop_parameters(m.number, p.number)
+    a, b = d.body[p.body[0]], d.body[p.body[1]]
+    angle, axis = turned(own, a, b)
+    see_gap(own.stiffness, own.damping, own.angle - angle, -dot(axis, sub(vec(b.w), vec(a.w))), seen)
+
+
+@part_class()
+class RotationStop(Stop):
+    """Stop of a ball joint: limits the rotation of b from its reference orientation, about any axis.
+
+    The turn is the length of the rotation vector theta of b relative to a, at most half a turn. Beyond the limit by d a
+    moment ``max(0, k d + c d_dot)`` about theta acts against it on b, the opposite one on a. It never pulls. Energy
+    ``k d^2 / 2``; the rest of the power is dissipated. (A `ConeStop` tells swing from twist.)
+
+    Parameters
+    ----------
+    joint : Spherical, Universal or ConstantVelocity
+    angle : float
+        Limit of the turn [rad], between 0 and pi.
+    stiffness, damping : float
+        k > 0 [N m/rad], c >= 0 [N m s/rad].
+
+    Raises
+    ------
+    ValueError
+        For another joint, or an angle out of its range.
+
+    Examples
+    --------
+    >>> from mbsd3d import GROUND, Body, RotationStop, Spherical, System, simulate
+    >>> head = Body("head", mass=2.0, inertia=(0.2, 0.2, 0.2), omega=(0, 1.2, 1.6))
+    >>> ball = Spherical(GROUND, head, at=(0, 0, 0))
+    >>> stop = RotationStop(ball, angle=0.5, stiffness=80.0)
+    >>> run = simulate(System([head], [ball], [stop]), 0.6)  # it turns at 2 rad/s, and comes back as fast
+    >>> run.omega(head)[-1, 1:].round(6)
+    array([-1.2, -1.6])
+    """
+
+    law, law_parameters = staticmethod(rotation_stop), ROTATION_STOP
+    gap, gaps = staticmethod(rotation_stop_gap), 1
+
+    joint: Joint
+    _: KW_ONLY
+    angle: Number = kept(positive=True)
+    stiffness: Number = kept(positive=True)
+    damping: Number = kept(default=0.0, minimum=0.0)
+
+    def check(self, what: str) -> None:
+        check_swings(self.joint, what)
+        if not self.angle < np.pi:
+            raise InputError(f"{what}: angle = {self.angle:g} limits nothing; give less than pi")
+
+    def depth_as_built(self) -> float:
+        return 0.0
+
+    def record(self) -> ForceRecord:
+        a, b = self.joint.a, self.joint.b
+        return ForceRecord((a, b), parameters=self.read_by_law(built=built_turn(a, b)))
 
     def partners(self) -> tuple:
         return (self.joint,)

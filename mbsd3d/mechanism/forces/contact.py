@@ -1,13 +1,15 @@
-"""Contact of a smooth surface with a plane: it presses, rubs, resists rolling, and lifts off."""
+"""Contact of a smooth surface with a plane, a sphere or a capsule: it presses, rubs, resists rolling, and lifts off."""
 
 from dataclasses import KW_ONLY
 from functools import cached_property
 
 import numpy as np
 
+from ...base.checks import short_repr
 from ...base.errors import InputError
 from ...base.fields import Number, NumberOrNone, kept, part_class
 from ...base.rotations import perpendiculars
+from ...base.wording import with_article
 from ...compiler.decorators import inner_kernel
 from ...kernels.force_laws import add_force, add_moment
 from ...kernels.surfaces import CONTACT, contact_parameters, meeting, pressure
@@ -16,15 +18,16 @@ from ..bodies import Body, Ground, as_body
 from ..contacts import Plane, level_plane
 from ..force_element import ForceElement, ForceRecord, check_pair
 from ..motion_protocols import Motion
-from ..rounded import Rounded, rounded
+from ..rounded import RoundBar, Rounded, round_bar, rounded
 from ..shapes import Shape
+from ..shapes.solids import Capsule, Sphere
 
 STANDARD_GRAVITY = 9.81  # [m/s^2] of the load under which the default grip is as stiff as the contact itself
 
 
 @inner_kernel
 def gripped(k, c, x, y, u, v, most):
-    """Return (f, x_dot) of two components: f = k x + c u, but no more than ``most``, and x_dot = (f - k x) / c."""
+    """Return (f, x_dot) of two components: f = k x + c u, limited to ``most``, and x_dot = (f - k x) / c."""
     f, g = k * x + c * u, k * y + c * v
     square = f * f + g * g
     if most.real <= 0.0:  # nothing rubs, also in derivatives
@@ -46,7 +49,7 @@ def smooth(most, u, v, still):
 def contact_friction(own, d, p, out, normal, slip, turn):
     """Return (friction, moment) in the axes of the plane, against the slip and the relative rotation.
 
-    Own states: deflection (2) [m]; with rolling or spinning friction those of the rotation too (3) [rad].
+    Internal states: deflection (2) [m], and with rolling or spinning friction rotation (3) [rad].
     """
     mu, rolling, spinning, still = own.friction, own.rolling, own.spinning, own.creep
     k, c, size = own.grip, own.grip_damping, own.size
@@ -96,17 +99,26 @@ def contact(m, d, p, out, t):
     add_moment(a, couple)
 
 
+def across(line: np.ndarray, axis: np.ndarray) -> np.ndarray:
+    """Return the direction of a line at right angles to an axis; any such one for a line along it."""
+    off = line - (line @ axis) * axis
+    length = float(np.linalg.norm(off))
+    return off / length if length > 1e-6 * float(np.linalg.norm(line)) else perpendiculars(axis)[0]
+
+
 @part_class()
 class Contact(ForceElement):
-    """A sphere, an ellipsoid or a torus of body b touches a plane of body a: it presses, rubs and lifts off.
+    """A surface of body b touches a plane, a sphere or a capsule of body a: it presses, rubs and lifts off.
 
-    All acts at the lowest point of the surface over the plane, which is known in closed form (see
-    `mbsd3d.kernels.surfaces`). With its penetration d and the slip velocity V of b over a there:
+    A sphere, an ellipsoid or a torus touches a plane, and all acts at its lowest point over it, which is known in
+    closed form (see `mbsd3d.kernels.surfaces`). With ``other`` a sphere touches a sphere or a capsule of a, and all
+    acts midway between both surfaces on the shortest line to its centre. With the penetration d and the slip velocity V
+    of b over a there:
 
     - normal force ``N = k d^m (1 + x d_dot) + c d_dot``, never below 0: it does not pull;
     - friction ``F = -clip(k_t z + c_t V, mu N)``, where the deflection z is an internal state,
       ``z_dot = (|F| - k_t z) / c_t`` along F: it sticks with ``z_dot = V``, so that what stands does not creep, slips
-      with ``|F| = mu N`` exactly, and forgets z in the air. It dissipates in every case;
+      with ``|F| = mu N`` exactly, and z decays while separated. It always dissipates;
     - moments against rolling and spinning by the same law, with ``rolling N``, ``spinning N`` in place of ``mu N``.
 
     Energy ``k d^(m+1) / (m+1) + k_t z'z / 2`` (and that of the rotations); the rest of the power is dissipated.
@@ -117,11 +129,11 @@ class Contact(ForceElement):
     Parameters
     ----------
     surface : Sphere, Ellipsoid or Torus
-        One of `mbsd3d.shapes`, in axes of body b; its centre is the centre of mass unless it says ``at``.
+        One of `mbsd3d.shapes`, in axes of body b, centred at the centre of mass unless ``at`` is given.
     stiffness, exponent : float
         k > 0 [N/m^m] and m >= 1: 1 for a linear spring, 1.5 for Hertz.
     damping, loss : float
-        c >= 0 [N s/m], which acts at once at the touch, and x >= 0 [s/m] (Hunt and Crossley), which grows with d^m.
+        c >= 0 [N s/m], which acts at once on contact, and x >= 0 [s/m] (Hunt and Crossley), which grows with d^m.
     friction : float
         mu >= 0 of Coulomb.
     rolling, spinning : float
@@ -134,12 +146,17 @@ class Contact(ForceElement):
         stands on a slope; the rotations likewise with v0 / s.
     plane : (point, normal) or None
         Plane fixed in a, world at the reference pose; None = z = 0. The surface is where the normal points.
+    other : Sphere or Capsule, optional
+        Of `mbsd3d.shapes`, in axes of body a, instead of a plane; ``surface`` is a sphere then. A start with the centre
+        of this one on the centre or axis of the other is refused: no direction would lead out. One that comes as deep
+        in a run leaves on the far side, and the check "overlap" of its certificate fails: give k well above
+        ``m v^2 / (R + r)^2`` (m = 1).
 
     Raises
     ------
     ValueError
-        For another surface, a number out of its range, a grip without friction or beside ``creep``, or a default of the
-        grip that a body without mass cannot give.
+        For another surface or ``other``, ``other`` beside ``plane``, a number out of its range, a grip without friction
+        or beside ``creep``, or a default of the grip that a body without mass cannot give.
 
     Examples
     --------
@@ -168,16 +185,33 @@ class Contact(ForceElement):
     grip_damping: NumberOrNone = kept(default=None, positive=True)
     creep: NumberOrNone = kept(default=None, positive=True)
     plane: Plane = kept(default=None, derived=level_plane)
+    other: Shape | None = None
 
     def check(self, what: str) -> None:
         check_pair(self.a, self.b, what)
         rounded(self.surface, self.b, what)
+        if self.other is not None:
+            self.check_other(what)
         given = [name for name in ("grip", "grip_damping") if getattr(self, name) is not None]
         if given and not self.states():
             other = "creep" if self.creep is not None else "no friction, rolling or spinning"
             raise InputError(f"{what}: {given[0]} does nothing with {other}; leave out one of them")
         if self.states() and self.b.mass == 0.0 and len(given) < 2:
             raise InputError(f"{what}: '{self.b.name}' has no mass to choose grip by; give grip and grip_damping")
+
+    def check_other(self, what: str) -> None:
+        """Reject arguments that cannot be combined with ``other``."""
+        if not isinstance(self.other, Sphere | Capsule):
+            raise InputError(
+                f"{what}: other {short_repr(self.other)} has no rule; give shapes.Sphere or shapes.Capsule"
+            )
+        if not isinstance(self.surface, Sphere):
+            kind = type(self.surface).__name__
+            raise InputError(
+                f"{what}: surface is {with_article(kind)}; beside other= give a shapes.Sphere, or a plane instead"
+            )
+        if not all(map(np.array_equal, self.plane, level_plane(self))):
+            raise InputError(f"{what}: both other and plane; leave out one of them")
 
     @cached_property
     def bristles(self) -> tuple[float, float]:
@@ -201,11 +235,20 @@ class Contact(ForceElement):
         """Return the surface, world at the reference pose."""
         return rounded(self.surface, self.b, "surface")
 
+    @cached_property
+    def bar(self) -> RoundBar | None:
+        """Return ``other``, world at the reference pose; None beside a plane."""
+        return round_bar(self.other, self.a) if isinstance(self.other, Sphere | Capsule) else None
+
     def record(self) -> ForceRecord:
-        (at, normal), form, states = self.plane, self.outline, self.states()
+        (at, normal), form, states, bar = self.plane, self.outline, self.states(), self.bar
         along = perpendiculars(normal)[0]
         grip, grip_damping = self.bristles
         own = {"radii": form.radii, "tube": form.tube, "size": form.size, "creep": self.creep or 1.0}
+        own |= {"other": bar.radius if bar else 0.0, "half": bar.half if bar else 0.0}
+        if bar is not None:
+            at, along = bar.centre, bar.axis
+            normal = across(form.centre - at, along)
         return ForceRecord(
             (self.a, self.b), (at, form.centre), frame=np.column_stack([along, np.cross(normal, along), normal]),
             frame_b=form.axes, states=(0.0,) * states,
@@ -217,8 +260,20 @@ class Contact(ForceElement):
         return ("deflection x", "deflection y", "turn x", "turn y", "turn z")[: self.states()]
 
     def acting_points(self, motion: Motion) -> np.ndarray:
-        """Return (samples, 3) lowest points, where the force acts on both bodies."""
+        """Return (samples, 3) points at which the force acts on both bodies."""
+        if self.bar is not None:
+            centres = motion.body_point(self.b, self.outline.centre)
+            return self.midway(centres, self.bar.moving(motion, self.a, centres))
         return self.outline.moving(motion, self.a, self.b, self.plane[1])
 
+    def midway(self, centres: np.ndarray, lines: np.ndarray) -> np.ndarray:
+        """Return the points (..., 3) midway between both surfaces, for the shortest lines to the centres."""
+        distance = np.linalg.norm(lines, axis=-1, keepdims=True)
+        half_gap = 0.5 * (distance - self.bar.radius - self.outline.size) if self.bar else 0.0 * distance
+        return centres - (self.outline.size + half_gap) * lines / np.maximum(distance, 1e-12 * self.outline.size)
+
     def acts_at(self, body: Body | Ground) -> tuple[Body | Ground, np.ndarray]:
+        if self.bar is not None:
+            centre = self.outline.centre
+            return self.b, self.midway(centre, self.bar.shortest(centre, self.bar.centre, self.bar.axis))
         return self.b, self.outline.lowest(self.outline.centre, self.outline.axes, self.plane[1])

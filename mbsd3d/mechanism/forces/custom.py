@@ -1,4 +1,4 @@
-"""Forces by a function of the user's, compiled once and called from the compiled time loop through its address."""
+"""Forces by a user function, compiled once and called by address from the compiled time loop."""
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
@@ -20,6 +20,7 @@ from ...base.fields import (
     part_class,
     true_or_false,
 )
+from ...base.wording import counted
 from ...compiler.arguments import call
 from ...compiler.decorators import inner_kernel
 from ...kernels.force_laws import series
@@ -72,7 +73,9 @@ def as_bodies(value: Any, what: str, part: Any) -> tuple[Body | Ground, ...]:
         raise InputError(f"{what} {short_repr(value)}; give a Body, GROUND or a tuple of them")
     on = (value,) if isinstance(value, Body | Ground) else tuple(value)
     if not 1 <= len(on) <= CUSTOM_FORCE_BODIES_MAX:
-        raise InputError(f"{what.removesuffix(': on')}: acts on {len(on)} bodies; give 1 to {CUSTOM_FORCE_BODIES_MAX}")
+        raise InputError(
+            f"{what.removesuffix(': on')}: acts on {counted(len(on), 'body')}; give 1 to {CUSTOM_FORCE_BODIES_MAX}"
+        )
     return tuple(as_body_or_ground(body, what, part) for body in on)
 
 
@@ -115,7 +118,7 @@ def as_longest_step(value: Any, what: str, part: Any) -> float:
 
 
 class BodiesOrGround(Stored[Body | Ground | Sequence[Body | Ground], tuple[Body | Ground, ...]]):
-    """Bodies; one may stand alone."""
+    """Bodies; a single one needs no sequence."""
 
     accepts = "Body | Ground | Sequence[Body | Ground]"
     convert = staticmethod(as_bodies)
@@ -144,7 +147,7 @@ class States(Stored[Sequence[float] | Mapping[str, float], tuple[float, ...]]):
 
 @part_class()
 class FunctionForce(ForceElement):
-    """What a force by a function is besides its function; see `CustomForce`."""
+    """Base class of a force by a function, without the function itself; see `CustomForce`."""
 
     law = staticmethod(custom)
 
@@ -162,7 +165,9 @@ class FunctionForce(ForceElement):
     def check(self, what: str) -> None:
         count = len(self.states)
         if len(self.points) != len(self.on):
-            raise InputError(f"{what}: {len(self.points)} points for {len(self.on)} bodies; give one per body")
+            raise InputError(
+                f"{what}: {counted(len(self.points), 'point')} for {counted(len(self.on), 'body')}; give one per body"
+            )
         texts = all(isinstance(x, str) for x in self.labels)
         fits = texts and len(self.labels) == len(set(self.labels)) == count
         if not fits:
@@ -179,8 +184,8 @@ class FunctionForce(ForceElement):
     def state_names(self) -> tuple[str, ...]:
         return self.labels
 
-    def address(self, dtype: type) -> int | Callable:
-        """Return the address of the function for real or complex numbers; 0 = none."""
+    def address(self, dtype: type, parameters: type = float) -> int | Callable:
+        """Return the address of the function for real or complex numbers, and parameters; 0 = none."""
         raise NotImplementedError
 
 
@@ -188,7 +193,7 @@ class FunctionForce(ForceElement):
 class SavedForce(FunctionForce):
     """A `CustomForce` read back with a saved solution: without its function, so the system cannot be run again."""
 
-    def address(self, dtype: type) -> int | Callable:
+    def address(self, dtype: type, parameters: type = float) -> int | Callable:
         return 0
 
 
@@ -197,7 +202,7 @@ class CustomForce(FunctionForce):
     """Loads of a function of your own, plain or jitted by numba; the time loop calls it without being recompiled.
 
     A run asks for the loads at the stages of its steps only, which grow as long as the motion allows: a blow of 10 ms,
-    or one within a centimetre, is stepped over and nobody knows of it. Give ``times`` at which it begins and ends, or
+    or one within a centimetre, may fall between stages and be missed. Give ``times`` at which it begins and ends, or
     ``max_step``, the shortest time that it acts.
 
     The function has the fixed signature ``function(t, bodies, z, parameters, loads, z_dot)``:
@@ -284,31 +289,31 @@ class CustomForce(FunctionForce):
             )
         self.address(float)
 
-    def address(self, dtype: type) -> int | Callable:
+    def address(self, dtype: type, parameters: type = float) -> int | Callable:
         if numba.config.DISABLE_JIT:
             return uncompiled(self.function)
-        if dtype not in self.callbacks:
+        if (dtype, parameters) not in self.callbacks:
             try:
-                self.callbacks[dtype] = callback(self.function, dtype)
+                self.callbacks[dtype, parameters] = callback(self.function, dtype, parameters)
             except Exception as error:  # numba has several families of them
                 raise InputError(self.uncompilable(dtype, reason(error))) from error
-        return self.callbacks[dtype].address
+        return self.callbacks[dtype, parameters].address
 
     def __getstate__(self) -> dict:
         """Leave the addresses out: copies and pickles compile the function again."""
         return {**vars(self), "callbacks": {}}
 
     def uncompilable(self, dtype: type, why: str) -> str:
-        """Return what to say of a function that numba refuses."""
+        """Return the error message for a function that numba rejects."""
         force = f"force '{self.name}' (CustomForce)" if self.name else "CustomForce without a name"
         kind, remedy = "", "use what numba supports"
         if dtype is complex:
-            kind = " for the complex numbers of exact derivatives (GeneralizedAlpha, linearize)"
+            kind = " for the complex numbers of exact derivatives (GeneralizedAlpha, linearize, Study)"
             remedy = "compare real parts, x.real < 0, and use np functions, mbsd3d.arctan2(y, x) for the one of np"
         return f"{force}: function '{self.function.__name__}' does not compile{kind}: {why}; {remedy}"
 
     def saved(self) -> "SavedForce":
-        """Return what a file can hold: all but the function."""
+        """Return the force without its function, as a file can store it."""
         return SavedForce(
             on=self.on, points=self.points, parameters=self.parameters, states=self.states, scales=self.scales,
             labels=self.labels, external=self.external, times=self.times, max_step=self.max_step, name=self.name,

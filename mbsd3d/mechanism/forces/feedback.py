@@ -1,4 +1,4 @@
-"""Feedback of measures: what a controller, a rider or a governor does with what it sees."""
+"""Feedback of measures: loads of a controller, a rider or a governor."""
 
 from collections.abc import Sequence
 from dataclasses import KW_ONLY
@@ -6,10 +6,11 @@ from typing import Any
 
 from ...base.errors import InputError
 from ...base.fields import NumberOrNone, Numbers, NumbersOrDerived, Stored, kept, part_class
+from ...base.wording import counted
 from ...compiler.decorators import inner_kernel
 from ...compiler.records import Parameters
-from ...kernels.coordinates import measure
 from ...kernels.force_laws import series
+from ...kernels.measures import measure
 from ..force_element import ForceElement, ForceRecord, hinge_coordinate
 from ..joints import Joint
 from ..measures import Measure, unit_powers
@@ -51,7 +52,7 @@ def as_measures(value: Any, what: str, part: Any) -> tuple[Measure, ...]:
 
 
 class Measures(Stored[Measure | Sequence[Measure], tuple[Measure, ...]]):
-    """Measures; one may stand alone."""
+    """Measures; a single one needs no sequence."""
 
     accepts, file_type = "Measure | Sequence[Measure]", list[dict]
     convert = staticmethod(as_measures)
@@ -59,7 +60,7 @@ class Measures(Stored[Measure | Sequence[Measure], tuple[Measure, ...]]):
 
 @part_class()
 class StateFeedback(ForceElement):
-    """Load ``-sum_i g_i (x_i - r_i)`` on body b of a hinge, the opposite one on a; its work is counted.
+    """Load ``-sum_i g_i (x_i - r_i)`` on body b of a hinge, the opposite one on a; its work enters the energy balance.
 
     ``x_i`` is measure i, or with a time constant its first-order filter: internal states ``z_i`` with
     ``z_dot_i = (y_i - z_i) / tau``. The filters start at the references, so that the load starts from zero, unless
@@ -68,7 +69,7 @@ class StateFeedback(ForceElement):
     Parameters
     ----------
     measures : sequence of Measure
-        What is seen, from `mbsd3d.measures`.
+        Measured quantities, from `mbsd3d.measures`.
     gains : sequence of float
         g_i [N m or N per unit of measure i]; one per measure.
     on : Joint
@@ -81,7 +82,7 @@ class StateFeedback(ForceElement):
     Raises
     ------
     ValueError
-        For lengths that differ, numbers that are not finite, no measure, or a joint without a coordinate.
+        For sequences of different lengths, numbers that are not finite, no measure, or a joint without a coordinate.
 
     Examples
     --------
@@ -109,7 +110,8 @@ class StateFeedback(ForceElement):
         for name, values in (("gains", self.gains), ("reference", self.reference)):
             if len(values) != len(self.measures):
                 raise InputError(
-                    f"{what}: {name}: {len(values)} values for {len(self.measures)} measures; give one per measure"
+                    f"{what}: {name}: {counted(len(values), 'value')} for {counted(len(self.measures), 'measure')}; "
+                    "give one per measure"
                 )
 
     def record(self) -> ForceRecord:

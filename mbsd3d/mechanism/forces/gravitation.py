@@ -1,4 +1,4 @@
-"""Weight where the vertical turns, and the pull of a centre that is near enough to be felt as one."""
+"""Weight in a rotating frame, and the attraction by a nearby centre."""
 
 from dataclasses import KW_ONLY
 

@@ -47,14 +47,14 @@ def uncompiled(function: Callable) -> Callable:
 
 
 @functools.lru_cache(maxsize=256)
-def callback(function: Callable, dtype: type) -> CFunc:
-    """Return the C function for real or complex numbers; ``.address`` is where it is."""
-    real = types.complex128 if dtype is complex else types.float64
+def callback(function: Callable, dtype: type, parameters: type) -> CFunc:
+    """Return the C function for real or complex numbers, and parameters; ``.address`` is where it is."""
+    real, given = (types.complex128 if x is complex else types.float64 for x in (dtype, parameters))
     pose = numba.from_dtype(np.dtype(data_records(dtype)["pose"]))
     compiled = function if is_jitted(function) else numba.njit(error_model="numpy", boundscheck=True)(function)
     pointer, size = types.CPointer, types.intp
     signature = types.void(
-        types.float64, pointer(pose), size, pointer(real), size, pointer(types.float64), size, pointer(real),
+        types.float64, pointer(pose), size, pointer(real), size, pointer(given), size, pointer(real),
         pointer(real),
     )  # fmt: skip
     found = numba.cfunc(signature)(wrapped(compiled))

@@ -36,6 +36,20 @@ def rotation_vector(p0, p):
 
 
 @inner_kernel
+def turn_since(a, b, built):
+    """Return the shortest rotation vector [rad], world axes, of b relative to a since its quaternion was ``built``."""
+    back = a.e[0], -a.e[1], -a.e[2], -a.e[3]
+    now = product(back, (b.e[0], b.e[1], b.e[2], b.e[3]))
+    p0, p1, p2, p3 = product(now, (built[0], -built[1], -built[2], -built[3]))
+    return rotate(mat(a.R), rotation_vector(p0, (p1, p2, p3)))
+
+
+def built_turn(a: Body | Ground, b: Body | Ground) -> np.ndarray:
+    """Return the quaternion of b relative to a at the reference pose."""
+    return multiply(conjugate(a.orientation), b.orientation)
+
+
+@inner_kernel
 def rotation_spring(m, d, p, out, t):
     """Moment -(k theta + c w) on b; theta rotates b from where it was built to where it is, w is its rate, in a.
 
@@ -43,10 +57,7 @@ def rotation_spring(m, d, p, out, t):
     """
     own = rotation_spring_parameters(m.number, p.number)
     a, b = d.body[p.body[0]], d.body[p.body[1]]
-    back = a.e[0], -a.e[1], -a.e[2], -a.e[3]
-    now = product(back, (b.e[0], b.e[1], b.e[2], b.e[3]))
-    p0, p1, p2, p3 = product(now, (own.built[0], -own.built[1], -own.built[2], -own.built[3]))
-    theta = rotate(mat(a.R), rotation_vector(p0, (p1, p2, p3)))
+    theta = turn_since(a, b, own.built)
     w = sub(vec(b.w), vec(a.w))
     moment = scale(-1.0, add(scale(own.stiffness, theta), scale(own.damping, w)))
     add_moment(b, moment)
@@ -93,5 +104,4 @@ class RotationSpring(ForceElement):
         check_pair(self.a, self.b, what)
 
     def record(self) -> ForceRecord:
-        built = multiply(conjugate(self.a.orientation), self.b.orientation)
-        return ForceRecord((self.a, self.b), parameters=self.read_by_law(built=built))
+        return ForceRecord((self.a, self.b), parameters=self.read_by_law(built=built_turn(self.a, self.b)))

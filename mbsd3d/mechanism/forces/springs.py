@@ -34,7 +34,7 @@ def spring(m, d, p, out, t):
     length = np.sqrt(dot(gap, gap))
     reach = np.sqrt(dot(pa, pa) + dot(pb, pb) + dot(sa, sa) + dot(sb, sb))
     coincide = length.real <= COINCIDENCE_ROUNDING * reach.real
-    if coincide and own.length == 0.0:
+    if coincide and own.length.real == 0.0:
         pull = add(scale(own.stiffness, gap), scale(own.damping, rate))  # smooth; the gap opens along the rate
         out.potential = 0.5 * own.stiffness * dot(gap, gap)
         out.power = -own.damping * dot(rate, rate)

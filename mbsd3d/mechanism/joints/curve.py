@@ -3,13 +3,16 @@
 from dataclasses import dataclass
 from functools import cached_property
 from math import factorial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import PPoly, make_interp_spline
 
 from ...base.checks import check_size, floats
 from ...base.errors import InputError
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PPoly
 
 SPLINE_DEGREE = 5  # [1] forces of cams follow the second derivative, which then is smooth too
 CURVE_POINTS_MIN = {True: 8, False: 6}  # [points] of a closed and of an open curve
@@ -87,7 +90,7 @@ class Curve:
         return float(self.lengths[-1])
 
     @cached_property
-    def x(self) -> PPoly:
+    def x(self) -> "PPoly":
         """Return the point over s, world at the reference pose."""
         return spline(self.lengths, self.ring, self.closed)
 
@@ -105,7 +108,7 @@ class Curve:
         """Number of the point nearest to s."""
         return int(np.abs(self.lengths[: len(self.points)] - s).argmin())
 
-    def directions(self, values: np.ndarray) -> PPoly:
+    def directions(self, values: np.ndarray) -> "PPoly":
         """Return a direction over s from one per point (n, 3)."""
         return spline(self.lengths, np.concatenate([values, values[:1]]) if self.closed else values, self.closed)
 
@@ -167,7 +170,7 @@ class Curve:
         """Return the least and largest s; infinite for a closed curve."""
         return (-np.inf, np.inf) if self.closed else (0.0, self.length)
 
-    def numbers(self, start: float, axes: np.ndarray, origin: np.ndarray, groups: list[PPoly]) -> np.ndarray:
+    def numbers(self, start: float, axes: np.ndarray, origin: np.ndarray, groups: "list[PPoly]") -> np.ndarray:
         """Return what the kernels read (see `kernels.surfaces`): s from ``start`` on, x and directions.
 
         They are given in axes, the columns of ``axes`` (3, 3), about ``origin``, world at the reference pose.
@@ -179,8 +182,10 @@ class Curve:
         return np.concatenate([head, self.x.x - start, blocks.transpose(2, 0, 3, 1).ravel()])
 
 
-def spline(s: np.ndarray, values: np.ndarray, closed: bool) -> PPoly:
+def spline(s: np.ndarray, values: np.ndarray, closed: bool) -> "PPoly":
     """Return the pieces of fifth degree through values (n, 3) at s; four derivatives are continuous."""
+    from scipy.interpolate import PPoly, make_interp_spline  # a tenth of a second, for curves alone
+
     made = make_interp_spline(s, values, SPLINE_DEGREE, bc_type="periodic" if closed else None)
     breaks = np.unique(made.t[SPLINE_DEGREE:-SPLINE_DEGREE])
     powers = [made(breaks[:-1], k) / factorial(k) for k in range(SPLINE_DEGREE, -1, -1)]

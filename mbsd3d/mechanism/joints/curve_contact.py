@@ -2,22 +2,24 @@
 
 from dataclasses import KW_ONLY
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import PPoly
 
 from ...base.checks import check_choice, floats
 from ...base.errors import InputError
 from ...base.fields import Array, DirectionOrNone, NumberOrNone, Stored, Vector, kept, locked, or_none, part_class
-from ...base.rotations import NORM_ROUNDING
+from ...base.rotations import NORM_ROUNDING, by_letter
 from ...kernels import kinds
 from ..bodies import Body, Ground
 from ..motion_protocols import LoadedMotion
 from ..primitives import ZERO, Coordinate, Primitive
 from .curve import NEAREST_POINT_STARTS, Curve
 from .joint import Joint
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PPoly
 
 PIN_CURVE_SINE_MIN = 0.05  # [1] sine of the angle between a pin and its curve
 TENSION_ROUNDING = 1e-9  # [1] of the largest force
@@ -31,7 +33,7 @@ def as_curve(value: Any, what: str, part: Any) -> np.ndarray:
 
 def as_pin(value: Any, what: str, part: Any) -> np.ndarray:
     """Convert to a unit vector, or one for each point of the curve."""
-    pin = floats(value, what, "a direction, or one for each point")
+    pin = floats(by_letter(value, what), what, "a direction, or one for each point")
     if pin.shape not in ((3,), part.curve.shape):
         raise InputError(f"{what} has shape {pin.shape}; give (3,), or {part.curve.shape} as the curve has")
     size = np.linalg.norm(pin, axis=-1, keepdims=True)
@@ -40,10 +42,10 @@ def as_pin(value: Any, what: str, part: Any) -> np.ndarray:
     return locked(np.where(np.abs(size - 1.0) < NORM_ROUNDING, pin, pin / size))
 
 
-class Pin(Stored[ArrayLike | None, np.ndarray | None]):
+class Pin(Stored[str | ArrayLike | None, np.ndarray | None]):
     """Direction of a pin, or one for each point of a curve, or None."""
 
-    accepts = "array_like | None"
+    accepts = "str | array_like | None"
     convert = staticmethod(or_none(as_pin))
 
 
@@ -61,8 +63,8 @@ class CurveContact(Joint):
     s is that of the nearest, for a face of the highest point of the curve, found by Newton's method from where it was:
     `Solution.slide` has it, from 0 at the reference pose, and drivers, springs and friction may act on it.
 
-    The rows hold both ways. A groove does so too; a roller or a face is only pushed, and where `normal_force` is
-    negative a real one would leave the curve: the certificate says so.
+    The rows act both ways, as a groove does. A roller or a face can only be pushed, and where `normal_force` is
+    negative a real one would leave the curve; the certificate reports this.
 
     Parameters
     ----------
@@ -78,7 +80,7 @@ class CurveContact(Joint):
     face : (3,) array_like, optional
         Normal of a flat face, away from the curve, world at the reference pose; the curve is flat then, and convex.
     closed : bool
-        The curve ends where it begins; its first point is not repeated.
+        True if the curve ends where it begins; its first point is not repeated.
 
     Raises
     ------
@@ -165,7 +167,7 @@ class CurveContact(Joint):
         return self.line.nearest(self.at) if self.face is None else self.line.highest(self.face)
 
     @cached_property
-    def across(self) -> list[PPoly]:
+    def across(self) -> "list[PPoly]":
         """Return the directions n of the rows over the length, world at the reference pose; none of a face."""
         if self.face is not None:
             return []
@@ -223,7 +225,7 @@ class CurveContact(Joint):
     def contact_normal(self, solution: LoadedMotion) -> np.ndarray:
         """Return (samples, 3) unit directions in which a pushes b, world; ValueError for a point on a curve in space.
 
-        Its angle with the way that b can go is the pressure angle.
+        Its angle to the direction in which b can move is the pressure angle.
         """
         if self.face is not None:
             return solution.body_axis(self.b, self.face)

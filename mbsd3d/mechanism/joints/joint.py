@@ -14,14 +14,15 @@ from ...base.checks import short_repr
 from ...base.errors import InputError
 from ...base.fields import Direction, DirectionOrDerived, Vector, VectorOrDerived, kept, part_class
 from ...base.rotations import matched_perpendiculars, perpendiculars
+from ...base.wording import with_article
 from ..bodies import Body, Ground, Part, as_body_or_ground, describe_part
 from ..motion_protocols import LoadedMotion, Motion
-from ..primitives import Coordinate, Primitive, in_plane, perpendicular
+from ..primitives import Coordinate, Primitive, TurnRate, in_plane, perpendicular
 
 
 @part_class()
 class Joint(Part):
-    """Base class of joints and drivers: two bodies, a name, rows, and perhaps an angle or a slide.
+    """Base class of joints and drivers: two bodies, a name, rows, and optionally an angle or a slide.
 
     Examples
     --------
@@ -38,7 +39,7 @@ class Joint(Part):
 
         @property
         def a(self) -> Body | Ground:
-            """Return the body that comes first."""
+            """Return the first body."""
 
         @property
         def b(self) -> Body | Ground:
@@ -76,7 +77,7 @@ class Joint(Part):
         """Return the displacement of b relative to a along the joint's axis, if it has one."""
         return None
 
-    def reflected(self) -> list[tuple[Coordinate, float]]:
+    def reflected(self) -> list[tuple[Coordinate | TurnRate, float]]:
         """Return coordinates x of the joint with I [kg m^2 or kg] of their own kinetic energies I x_dot^2 / 2."""
         return []
 
@@ -124,9 +125,19 @@ class AxisJoint(PointJoint):
     axis_b: DirectionOrDerived = kept(default=None, derived=attrgetter("axis"))
 
     def angle(self) -> Coordinate | None:
+        return self._angle
+
+    @cached_property
+    def _angle(self) -> Coordinate:
+        """Return `angle`, made once."""
         return Coordinate("angle", self.a, self.b, self.axis, self.axis_b)
 
     def slide(self) -> Coordinate | None:
+        return self._slide
+
+    @cached_property
+    def _slide(self) -> Coordinate:
+        """Return `slide`, made once."""
         return Coordinate("slide", self.a, self.b, self.axis, self.axis_b, self.at, self.at_b)
 
     @cached_property
@@ -156,7 +167,9 @@ def coordinate_of(part: Any, kind: str, what: str) -> Coordinate:
     found: Coordinate | None = getattr(part, kind)()
     if found is None:
         example = "Revolute or Cylindrical" if kind == "angle" else "Prismatic or Cylindrical"
-        raise InputError(f"{what}: {describe_part(part)} has no {kind}; give a joint that has one, e.g. a {example}")
+        raise InputError(
+            f"{what}: {describe_part(part)} has no {kind}; give a joint that has one, e.g. {with_article(example)}"
+        )
     return found
 
 

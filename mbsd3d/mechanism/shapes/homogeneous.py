@@ -41,7 +41,7 @@ def as_shape(shape: Any, what: str, body: Shaped) -> str | Shape | tuple[Shape, 
 
 
 class ShapeOfBody(Stored[Shape | Sequence[Shape] | str | ArrayLike | None, Shape | tuple[Shape, ...] | str | None]):
-    """How a body is drawn: shapes, the name of a homogeneous solid, or a polyline; None = the ellipsoid."""
+    """How a body is drawn: shapes, the name of a homogeneous solid, or a polyline; None = a link or the ellipsoid."""
 
     accepts, role, file_type = "Shape | Sequence[Shape] | str | array_like | None", "shape", dict | str | list
     convert = staticmethod(as_shape)

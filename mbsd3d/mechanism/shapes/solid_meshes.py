@@ -9,10 +9,11 @@ import numpy as np
 from ...base.checks import number, short_repr
 from ...base.errors import InputError
 from ...base.mass_properties import MassProperties
+from ...base.wording import counted
 from .triangles import MASS_TRIANGLES_MAX, MESH_SUFFIXES, load_mesh
 
 UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "ft": 0.3048}  # [m]
-CAD_SUFFIXES = (".step", ".stp", ".iges", ".igs", ".brep", ".sldprt", ".ipt", ".catpart", ".f3d", ".fcstd")
+CAD_SUFFIXES = (".iges", ".igs", ".brep", ".sldprt", ".ipt", ".catpart", ".f3d", ".fcstd")
 PROBES = 400  # [points] in the box around a mesh, and as many beside its surface, where it is checked to be a solid
 PROBE_OFFSET_SHARE = 1e-5  # [1] of the diagonal of a mesh, of a probe from the surface: thinner walls are rare
 PROBE_PAIRS_MAX = 100_000  # [pairs] of points and triangles at a time: some 10 MB, which stay in the cache
@@ -135,7 +136,8 @@ def check_winding(corners: np.ndarray, diagonal: float, what: str) -> None:
     numbers = winding_numbers(np.concatenate([inside_box, at + away, at - away]), corners)
     if numbers.max() > 1:
         raise InputError(
-            f"{what}: overlaps itself, its triangles go {numbers.max()} times round some point; unite its solids"
+            f"{what}: overlaps itself, its triangles go {counted(int(numbers.max()), 'time')} round some point; "
+            "unite its solids"
         )
     if numbers.min() < 0:
         raise InputError(f"{what}: has parts that are turned inside out; unify its normals")

@@ -12,13 +12,16 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from ...base.errors import InputError
 from ...base.version import loading
 from .threemf import read_3mf
 
-MESH_SUFFIXES = (".stl", ".obj", ".ply", ".3mf", ".glb", ".gltf")
+STEP_SUFFIXES = (".step", ".stp")
+"""Files of curved surfaces, which cascadio turns into triangles."""
+MESH_SUFFIXES = (".stl", ".obj", ".ply", ".3mf", ".glb", ".gltf", *STEP_SUFFIXES)
+STEP_ANGLE = 0.05  # [rad] between neighbouring triangles of a curved surface: a cylinder lacks some 1e-4 of its mass
+STEP_SAG_RATIO = 0.01  # [1] of the length of an edge, from which triangles may be off; the angle is the tighter bound
 MESH_TRIANGLES_MAX = 20_000  # [triangles] of a mesh file: more make pages that open slowly
 MASS_TRIANGLES_MAX = 200_000  # [triangles] of a mesh that gives a mass: some seconds of checking
 MESH_BYTES_MAX = 100_000_000  # [bytes] of a mesh file: a larger one is not read
@@ -118,6 +121,8 @@ def block() -> Mesh:
 
 def hull(points: np.ndarray) -> Mesh:
     """Return the convex hull of points (k, 3); every triangle has its own corners. QhullError if flat."""
+    from scipy.spatial import ConvexHull  # a tenth of a second, for hulls alone
+
     found = ConvexHull(points)
     corners = points[found.simplices]  # (m, 3, 3)
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -185,6 +190,22 @@ def check_gltf(content: bytes) -> None:
         raise InputError("has accessors of more numbers than the file")
 
 
+def triangulated(content: bytes, what: str) -> bytes:
+    """Return the surfaces of a STEP file as GLB, in metres, by cascadio; nothing else is opened."""
+    try:
+        import cascadio
+    except ImportError:
+        raise InputError(
+            f"{what}: STEP files hold curved surfaces, which need the package cascadio: pip install 'mbsd3d[step]'; or "
+            "export a mesh, best as 3MF, which keeps its unit"
+        ) from None
+    fine = {"tol_linear": STEP_SAG_RATIO, "tol_relative": True, "tol_angular": STEP_ANGLE}
+    found = cascadio.load(content, "step", use_parallel=False, **fine)
+    if not found:
+        raise InputError(f"{what}: holds no surfaces that OpenCASCADE can read; export it again, or a mesh as 3MF")
+    return found
+
+
 def load_mesh(path: str, what: str) -> tuple[Any, float | None]:
     """Return the triangles of a file as trimesh has them, checked, and its unit [m]; None where its format has none."""
     with loading():
@@ -199,6 +220,8 @@ def load_mesh(path: str, what: str) -> tuple[Any, float | None]:
         raise InputError(f"{what}: cannot be read: {why}; give a file that exists") from error
     if not content:
         raise InputError(f"{what}: is not a file, is empty or has more than {MESH_BYTES_MAX} bytes; give a mesh")
+    if f".{kind}" in STEP_SUFFIXES:
+        content, kind = triangulated(content, what), "glb"
     options = {"skip_materials": True} if kind in ("obj", "glb", "gltf") else {}
     unit = 1.0 if kind in ("glb", "gltf") else None
     logging.getLogger("trimesh").disabled = True  # it prints tracebacks of what it can do without

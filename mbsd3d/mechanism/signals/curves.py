@@ -7,12 +7,12 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
 
 from ...base.checks import check_size, short_repr
 from ...base.errors import InputError, checks_method_arguments
 from ...base.fields import Stored, kept, part_class
 from ...base.paths import as_path, read_text
+from ...base.wording import counted
 from .signal import FiniteNumber, FiniteNumberOrNone, Row, Signal, as_row
 from .terms import POLYNOMIAL, SINE, SPLINE, Term
 
@@ -92,7 +92,7 @@ class Polynomial(Signal):
 
 
 def column_of(rows: list[list[str]], wanted: str | int, what: str) -> int:
-    """Place of a column by its number from 0, or by its name in the first row."""
+    """Index of a column, by its number from 0 or by its name in the first row."""
     names = [name.strip() for name in rows[0]]
     if isinstance(wanted, str) and wanted in names:
         return names.index(wanted)
@@ -136,7 +136,7 @@ class Table(Signal):
         Raises
         ------
         ValueError
-            If the file or a column is not there, or a line has no number there.
+            If the file or a column does not exist, or a line has no number in it.
         """
         found = as_path(path, "force.csv")
         rows = [row for row in csv.reader(read_text(found, CSV_BYTES_MAX, "table").splitlines()) if row]
@@ -160,9 +160,11 @@ class Table(Signal):
     def check(self, what: str) -> None:
         times, values = self.times, self.values
         if times.size != values.size:
-            raise InputError(f"Table: {times.size} times but {values.size} values; give one value per time")
+            raise InputError(
+                f"Table: {counted(times.size, 'time')} but {counted(values.size, 'value')}; give one value per time"
+            )
         if times.size < 4:
-            raise InputError(f"Table: {times.size} points; a cubic spline needs 4 (Ramp, Polynomial: fewer)")
+            raise InputError(f"Table: {counted(times.size, 'point')}; a cubic spline needs 4 (Ramp, Polynomial: fewer)")
         late = np.flatnonzero(np.diff(times) <= 0.0)
         if late.size:
             i = late[0]
@@ -188,6 +190,8 @@ class Table(Signal):
 
     @cached_property
     def _term(self) -> Term:
+        from scipy.interpolate import CubicSpline  # a tenth of a second, for tables alone
+
         pieces = CubicSpline(self.times, self.values, bc_type="not-a-knot").c.T
         return Term(SPLINE, np.concatenate([[len(pieces)], self.times, pieces.ravel()]))
 

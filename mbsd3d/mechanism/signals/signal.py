@@ -24,7 +24,7 @@ ALL_TIMES = (-np.inf, np.inf)
 class Signal(Checked, ABC):
     """A function of time f(t), twice differentiable, in the unit of the driven quantity; t in s.
 
-    Signals add up, with each other and with numbers, and are multiplied by numbers.
+    Signals can be added to each other and to numbers, and multiplied by numbers.
 
     >>> from mbsd3d import Sine
     >>> swing = 0.5 + 2 * Sine(amplitude=0.1, frequency=1.0)
@@ -133,7 +133,7 @@ def as_summands(value: Any, what: str, part: Any) -> tuple[Signal, ...]:
 
 
 class Summands(Stored[Sequence[Signal], tuple[Signal, ...]]):
-    """Signals that are added up."""
+    """Summands of a sum of signals."""
 
     accepts, role, file_type = "Sequence[Signal]", "signal", list[dict[str, Any]]
     convert = staticmethod(as_summands)
@@ -141,7 +141,7 @@ class Summands(Stored[Sequence[Signal], tuple[Signal, ...]]):
 
 @part_class(eq=True)
 class Sum(Signal):
-    """Sum of signals; ``a + b`` makes it. A sum in a sum, or a multiple of one, is taken apart.
+    """Sum of signals; ``a + b`` makes it. Nested sums, and multiples of sums, are flattened.
 
     Raises ValueError if the intervals of two tables have no time in common.
 
@@ -311,14 +311,14 @@ class Row(Stored[ArrayLike, np.ndarray]):
 
 @part_class(eq=True)
 class Input(Signal):
-    """``f = value`` until `Stepper.set` gives another number, which holds until the next one.
+    """``f = value`` until `Stepper.set` gives another number, which holds, or goes on with a slope, until the next one.
 
     Parameters
     ----------
     name : str
-        Name to set it by; signals of one name are one input.
+        Name used to set it; signals of the same name are one input.
     value : float
-        At the start, in the unit of what it drives; `simulate` keeps it.
+        Initial value, in the unit of the driven quantity; `simulate` keeps it.
 
     Raises
     ------
@@ -341,8 +341,8 @@ class Input(Signal):
         check_name(self.name, "Input:")
 
     def terms(self) -> list[Term]:
-        """Return the polynomial (value)."""
-        return [Term(POLYNOMIAL, np.array([self.value]), (self.name, self.value))]
+        """Return the polynomial (value, slope)."""
+        return [Term(POLYNOMIAL, np.array([self.value, 0.0]), (self.name, self.value))]
 
 
 InputOrName = TypeVar("InputOrName", bound=Input | str)  # key of a mapping: type checkers take dict[str, ...] then

@@ -1,6 +1,6 @@
 """Terms: the rows of numbers that signals are lowered to, and their meaning in Python.
 
-``kernels/signals.py`` holds the compiled twin of `evaluate`.
+``kernels/signals.py`` holds the compiled counterpart of `evaluate`.
 """
 
 from typing import NamedTuple
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from ...base.errors import InputError
 
 POLYNOMIAL, SINE, SPLINE = 0, 1, 2
-PULSE_SHARE_MIN = 1e-3  # [1] of the range of a table: what turns back by less is no pulse
+PULSE_SHARE_MIN = 1e-3  # [1] of the range of a table: what turns back by less is not a pulse
 
 
 class Term(NamedTuple):

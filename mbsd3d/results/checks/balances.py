@@ -21,7 +21,7 @@ WORK_ROUNDING = 1e-6  # [1] of the energy: less work is rounding, also of poses 
 
 
 def since_start(solution: RunResult) -> RunResult:
-    """Return the motion at the samples, and at the start before them if it is not one of them."""
+    """Return the motion at the samples, preceded by the start if that is not a sample."""
     compiled, start, model = solution.compiled, solution.start, solution.compiled.model
     if solution.t[0] <= start.t:
         return solution
@@ -38,7 +38,7 @@ def since_start(solution: RunResult) -> RunResult:
 
 
 class Balance(NamedTuple):
-    """What the motion gained, less what was done to it, and the numbers that this is the difference of."""
+    """Gain of the motion minus the work or impulse on it, and the numbers whose difference this is."""
 
     gap: float
     terms: float
@@ -71,10 +71,10 @@ def balances(whole: RunResult, scale: Scales) -> tuple[Balance, Balance, Balance
 
 
 def balance_checks(solution: RunResult, limit: float, equations_met: bool) -> list[Check]:
-    """Compare energy with work and momentum with impulse, to what rounding and quadratures leave known of them.
+    """Compare energy with work and momentum with impulse, within the uncertainty of rounding and quadratures.
 
-    Nothing bounds the error of work and impulse over fixed steps: two quadratures say how far they are open. A motion
-    that joints and drivers determine is right wherever the joints are closed, and its balances show nothing but their
+    Nothing bounds the error of work and impulse over fixed steps: two quadratures give their uncertainty. A motion that
+    joints and drivers determine is right wherever the joints are closed, and its balances show only the error of their
     quadrature: where ``equations_met`` says that forces and accelerations agree at all samples, they are held to that.
     """
     if solution.record.kinematic:
@@ -109,7 +109,7 @@ def determined(solution: RunResult) -> bool:
 
 
 def work_note(solution: RunResult) -> list[str]:
-    """Say what the energy balance tells of the work of a driven run, where that is not known to a hundredth."""
+    """State what the energy balance shows about the work of a driven run if that is not known to 1 %."""
     if not solution.record.kinematic:
         return []
     energy = since_start(solution).energy()

@@ -1,4 +1,4 @@
-"""What acts between the stages of steps without being seen: own forces that jump, fast sines, contacts that touch."""
+"""Effects that act unseen between the stages of steps: user forces that jump, fast sines, short contacts."""
 
 from typing import NamedTuple
 
@@ -11,20 +11,21 @@ from ..result import RunResult
 from .check import Check
 
 TOUCHES = "contacts"  # the check of them
+OVERLAP_MAX = 0.5  # [1] of a sphere in a sphere or bar, over the sum of radii: past the centre it is pushed out behind
 STEPS_PER_PERIOD_MIN = 10  # [1] fixed steps in a period of a sine, for a resolved one
 TOUCH_CHANGE_MAX = 0.01  # [1] of the velocities, in all fixed steps in which bodies touch: when is open by up to a step
 PERIODS_PER_STEP_MAX = 0.5  # [1] of a sine in a fixed step: beyond, the stages may all see one phase (Nyquist)
 
 
 class FastSine(NamedTuple):
-    """A sine of a force or driver that fixed steps hardly resolve."""
+    """Sine of a force or driver that fixed steps barely resolve."""
 
     part: str
     period: float  # s
 
 
 def unwatched(solution: RunResult) -> list[FunctionForce]:
-    """Return the forces by functions for which nobody has bounded the length of steps."""
+    """Return the forces given by functions for which the step length is not limited."""
     if solution.record.kinematic or solution.record.method.max_step < np.inf:
         return []  # poses follow from drivers
     forces = [force for force in solution.system.forces if isinstance(force, FunctionForce)]
@@ -32,7 +33,7 @@ def unwatched(solution: RunResult) -> list[FunctionForce]:
 
 
 def fast_sines(solution: RunResult) -> list[FastSine]:
-    """Return the sines of which a period has fewer than STEPS_PER_PERIOD_MIN fixed steps."""
+    """Return the sines with fewer than STEPS_PER_PERIOD_MIN fixed steps per period."""
     dt = solution.record.method.dt
     if dt is None or solution.record.kinematic:
         return []  # adaptive steps follow them
@@ -64,14 +65,23 @@ def touch_checks(solution: RunResult) -> list[Check]:
     return [Check(TOUCHES, record.jump, TOUCH_CHANGE_MAX, meaning)]
 
 
+def overlap_checks(solution: RunResult) -> list[Check]:
+    """Return the check of spheres so deep in a sphere or a bar that the contact may let them through."""
+    record = solution.record
+    if record.overlap == 0.0:
+        return []
+    meaning = f"'{record.overlap_by}' is too soft and lets bodies through; raise its stiffness"
+    return [Check("overlap", record.overlap, OVERLAP_MAX, meaning)]
+
+
 def unseen_parts(solution: RunResult) -> list[str]:
-    """Return the names of the parts that the stages of steps may not see as they act."""
+    """Return the names of the parts whose action the stages of steps may miss."""
     forces = [solution.system.name(force) for force in unwatched(solution)]
     return [*forces, *(sine.part for sine in fast_sines(solution))]
 
 
 def stage_notes(solution: RunResult) -> list[str]:
-    """Say which forces and signals were not looked for between stages, and what to do about it."""
+    """State which forces and signals were not monitored between stages, and the remedy."""
     return [
         f"force '{solution.system.name(force)}' was not looked for between the stages of steps"
         f"{', but at its times' if force.times else ''}: what it does for a shorter time is stepped over; give it "

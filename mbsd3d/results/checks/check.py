@@ -1,4 +1,4 @@
-"""A check, the limits of errors that add up over a run, and the sizes that errors are divided by."""
+"""One check, the limits of errors that accumulate over a run, and the scales that errors are divided by."""
 
 from dataclasses import dataclass
 
@@ -45,12 +45,12 @@ def drift_limit(record: Record) -> float:
 
 
 def rounding_of(record: Record) -> float:
-    """Return what rounding leaves of a difference of sums over steps, over these numbers: it walks at random."""
+    """Return the rounding of a difference of sums over steps, relative to these numbers: a random walk."""
     return UNITS * np.finfo(float).eps * np.sqrt(max(record.steps, 1))
 
 
 def gaping(record: Record) -> float:
-    """Return how far joints may gape that Baumgarte's terms hold; 0 where projection closes them."""
+    """Return the permitted gap of joints held by Baumgarte's terms; 0 if projection closes them."""
     return drift_limit(record) if record.switches.stabilisation == "baumgarte" else 0.0
 
 
@@ -58,9 +58,9 @@ def gaping(record: Record) -> float:
 class Scales:
     """Characteristic sizes of a run that the absolute errors are divided by; never zero.
 
-    They are the same for every observer: velocities count relative to each other and to their mean, places from the
-    centre of mass, and vectors by their Euclidean norm. ``reach`` and ``speed`` are those that this observer sees; they
-    say how far rounding goes.
+    They are the same for every observer: velocities count relative to each other and to their mean, positions from the
+    centre of mass, and vectors by their Euclidean norm. ``reach`` and ``speed`` are as this observer sees them; they
+    set the size of rounding.
     """
 
     rate: float  # 1/s
@@ -77,7 +77,7 @@ class Scales:
 def scales_of(solution: RunResult) -> Scales:
     """Return sizes from the run itself, with floors from gravity, so that a mechanism at rest has scales too.
 
-    A piece between two events has those of the whole run.
+    A piece between two events has the scales of the whole run.
     """
     if "scales" in solution.derived:
         return solution.derived["scales"]

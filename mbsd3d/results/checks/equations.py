@@ -1,4 +1,4 @@
-"""The equations of motion at the samples: whether they are met, and how well they determine what was solved for."""
+"""Equations of motion at the samples: their residuals, and how well they determine the unknowns."""
 
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ from .check import GAP_LIMIT_MIN, MAY_MISS, MAY_TEAR, PASSED, Check, Scales, gap
 
 
 class Residuals(NamedTuple):
-    """By how much the equations are missed at the samples."""
+    """Residuals of the equations at the samples."""
 
     bodies: np.ndarray  # (samples, n, 4) of forces [N] and moments [N m], and the sizes of both
     joints: np.ndarray  # (samples, 3) of c, J v - b and J v_dot - gamma, in lengths of the model and radians
@@ -45,7 +45,7 @@ def joint_checks(solution: RunResult, found: Residuals) -> list[Check]:
 def equation_checks(solution: RunResult, found: Residuals, singular: np.ndarray) -> list[Check]:
     """Check the Newton-Euler residual per body, and rows against the accelerations.
 
-    ``singular``: samples whose joints determine no reactions; Newton and Euler are not asked there.
+    ``singular``: samples whose joints determine no reactions; the Newton-Euler residual is not checked there.
     """
     system, model, scale = solution.system, solution.compiled.model, scales_of(solution)
     lost_force, lost_moment, force, moment = np.moveaxis(found.bodies, -1, 0)

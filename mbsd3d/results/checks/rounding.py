@@ -1,8 +1,8 @@
-"""How far rounding leaves accelerations and reactions open: what a step of iterative refinement changes in them.
+"""Rounding errors of accelerations and reactions, found by one step of iterative refinement.
 
-The residual of the equations, as they were solved, is rounding; with it as the right side, the saddle point says how
-far that goes. So the error of a multiplier is seen, and of the acceleration of a light body, where a small residual of
-forces tells neither.
+The residual of the equations, as they were solved, is rounding; with it as the right side, the saddle point gives its
+effect. So the error of a multiplier is seen, and of the acceleration of a light body, where a small residual of forces
+tells neither.
 """
 
 from typing import NamedTuple
@@ -32,7 +32,7 @@ class Rounding(NamedTuple):
 
 
 def rounding(solution: RunResult) -> Rounding:
-    """Return what a step of refinement changes at the samples of a run."""
+    """Return the changes by one step of refinement at the samples of a run."""
     compiled, arrays, t = solution.compiled, solution.arrays, solution.t
     model, data = compiled.model, compiled.data()
     known = arrays["state"], np.ascontiguousarray(arrays["coordinate"]), arrays["acceleration"], arrays["lam"]

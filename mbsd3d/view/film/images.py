@@ -158,6 +158,9 @@ class Strip:
                 axes.tick_params(labelsize=7)
                 axes.locator_params(axis="y", nbins=4)
                 axes.margins(x=0.01)
+                low, high = (f([f(values) for _, values in curve.lines]) for f in (np.nanmin, np.nanmax))
+                if high - low < 1e-9 * curve.size:  # rounding is not magnified
+                    axes.set_ylim(low - 0.05 * curve.size, high + 0.05 * curve.size)
                 if len(curve.lines) > 1:
                     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=7)
             panels[-1].set_xlabel("time [s]", fontsize=7)

@@ -6,6 +6,7 @@ the origin, since places have single precision. Time starts at zero.
 """
 
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -62,12 +63,13 @@ def glb(system: Mechanism, frames: Frames, traces: list[Trace]) -> bytes:
     if origin.any():
         place["translation"] = matrix(Z_UP_TO_Y_UP) @ origin
     root = asset.node("world, z up", place)
-    add_bodies(asset, root, [*names, "ground"], drawing, frames)
+    bodies = add_bodies(asset, root, [*names, "ground"], drawing, frames)
     add_links(asset, root, drawing, frames)
     for trace in traces:
         if len(trace.points) > 1:
             line = asset.primitive(LINE_STRIP, asset.material(trace.colour), trace.points)
-            asset.node(f"path of {trace.name}", {}, root, asset.mesh(f"path of {trace.name}", [line]))
+            parent = bodies.get(trace.frame, root)
+            asset.node(f"path of {trace.name}", {}, parent, asset.mesh(f"path of {trace.name}", [line]))
     return asset.glb()
 
 
@@ -76,8 +78,11 @@ def as_gltf(e: np.ndarray) -> np.ndarray:
     return np.roll(e, -1, axis=-1)
 
 
-def add_bodies(asset: Asset, root: int, names: list[str], drawing: Drawing, frames: Frames) -> None:
-    """Add a node for every body and the ground; below it one for its shape and one for each of its joints."""
+def add_bodies(asset: Asset, root: int, names: list[str], drawing: Drawing, frames: Frames) -> dict[int, int]:
+    """Add a node for every body and the ground, which are returned by their numbers; below it one for its shape and one
+    for each of its joints.
+    """
+    nodes: dict[int, int] = {}
     shown: list[dict[tuple[str, str], list[Piece | Wire]]] = [{} for _ in names]
     everything: tuple[Piece | Wire, ...] = (*drawing.pieces, *drawing.wires)
     for item in everything:
@@ -88,12 +93,13 @@ def add_bodies(asset: Asset, root: int, names: list[str], drawing: Drawing, fram
         if i == len(names) - 1 and not shown[i]:
             continue  # nothing is fixed to the ground
         places = {"translation": frames.r[:, i], "rotation": as_gltf(frames.e[:, i])}
-        node = asset.moving(name, places, root, clock)
+        node = nodes[i] = asset.moving(name, places, root, clock)
         for (layer, part), items in shown[i].items():
             label = f"{part} shape" if layer == "bodies" else f"{part} on {name}"
             primitives = [primitive for item in items for primitive in primitives_of(asset, item)]
             if primitives:
                 asset.node(label, {}, node, asset.mesh(label, primitives))
+    return nodes
 
 
 def primitives_of(asset: Asset, item: Piece | Wire) -> Iterator[Primitive]:
@@ -123,7 +129,7 @@ def add_links(asset: Asset, root: int, drawing: Drawing, frames: Frames) -> None
     """Add springs as coils and the links of joints as rods, from one end to the other."""
     clock, least = frames.t - frames.t[0], ROD_RADIUS_RATIO * drawing.size
     for link in drawing.links:
-        start, end = (moved(frames, body, point) for body, point in link.ends)
+        start, end = link.placed(partial(moved, frames))
         lengths, e = rolled(end - start, SPRING_LENGTH_MIN * drawing.size)
         width = np.full(len(lengths), max(COIL_RADIUS_RATIO * lengths.mean(), least) if link.spring else least)
         mesh = asset.mesh(

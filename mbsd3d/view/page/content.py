@@ -12,7 +12,8 @@ from typing import NamedTuple, TypedDict
 
 import numpy as np
 
-from ...base.style import DARK, GROUND_GRID_GREYS, LIGHT, with_superscripts
+from ...base.style import DARK, GROUND_GRID_GREYS, LIGHT
+from ...base.wording import with_superscripts
 from ..scene.camera import length_text
 from ..scene.drawing import DEFAULT_LAYERS, MARKS, Drawing
 from ..scene.frames import Frames
@@ -43,6 +44,9 @@ class Content(NamedTuple):
     followed: int = -1  # body that the camera goes along with
     view: Sequence[float] | None = None  # azimuth and elevation of the camera at first [degrees]
     least: Reach | None = None  # what the first view holds and the arrows are scaled by, of another motion
+    explore: dict[str, object] | None = None  # by which the page solves: see `explore.exploration`
+    ride: dict[str, object] | None = None  # what the reader moves himself: see `explore.ridden`
+    captions: Sequence[tuple[float, str]] = ()  # times [s] and sentences
 
 
 class Packed(TypedDict):
@@ -68,7 +72,7 @@ def scene_and_data(content: Content, user: str) -> tuple[str, dict[str, object]]
     recording = Recording(user)
     stage = Stage(
         recording.scene, recording.camera, *content[:4], content.shown, near=content.followed >= 0, view=content.view,
-        least=content.least,
+        least=content.least, ghost=bool(content.explore and content.explore["ghost"]),
     )  # fmt: skip
     return recording.data(), player_data(content, stage)
 
@@ -95,16 +99,23 @@ def player_data(content: Content, stage: Stage) -> dict[str, object]:
         "arrows": [arrows_data(kind, i, stage, size) for i, kind in enumerate(content.arrows)],
         "layers": layers_data(content, stage),
         "curves": [curve_data(curve) for curve in content.curves],
+        "captions": [list(caption) for caption in content.captions],
         "grid": length_text(stage.cell),
         "darkCells": [[grey] * 3 for grey in GROUND_GRID_GREYS["dark"]],
         "colours": {"light": LIGHT.lines, "dark": DARK.lines},
+        **({} if content.explore is None else {"explore": content.explore}),
+        **({} if content.ride is None else {"ride": content.ride | {"ground": stage.ground, "cell": 5.0 * stage.cell}}),
     }
 
 
 def links_data(links: Links) -> dict[str, object]:
-    """Return the ends of springs or rods in body axes, their radii, and the directions from which they turn."""
-    ends = [[[int(body), [float(x) for x in point]] for body, point in pair] for pair in links.ends]
-    return {"node": links.node.name, "ends": ends, "radii": links.radii.tolist(), "rest": links.rest.tolist()}
+    """Return the ends of springs or rods in body axes, the circles they are tangents of, their radii, and the
+    directions from which they turn.
+    """
+    ends = [[[int(body), [float(x) for x in point]] for body, point in link.ends] for link in links.links]
+    rounds = [x and [x.body, x.axis.tolist(), *map(float, x.arms)] for x in (link.rounds for link in links.links)]
+    widths = {"radii": links.radii.tolist(), "rest": links.rest.tolist()}
+    return {"node": links.node.name, "ends": ends, "rounds": rounds, **widths}
 
 
 def arrows_data(kind: Arrows, i: int, stage: Stage, size: float) -> dict[str, object]:
@@ -148,7 +159,7 @@ def curve_data(curve: Curve) -> dict[str, object]:
         finite = values[np.isfinite(values)]
         span, largest = (float(np.ptp(finite)), float(np.abs(finite).max())) if finite.size else (0.0, 0.0)
         lines.append({"name": name, "values": pack(values, max(CURVE_RESOLUTION * span, 1e-9 * largest))})
-    return {"label": curve.label, "unit": with_superscripts(curve.unit), "lines": lines}
+    return {"label": curve.label, "unit": with_superscripts(curve.unit), "lines": lines, "size": curve.size}
 
 
 def pack(values: np.ndarray, step: float) -> Packed:

@@ -14,11 +14,21 @@ from pathlib import Path
 from markupsafe import Markup
 
 from ...base.errors import InputError
+from ...base.paths import as_path
 from ...base.templates import HtmlPage, page_template
 from .content import Content, scene_and_data
 from .recorder import client_head, printable
 
 SCRIPTS = ("unpack.js", "scene.js", "curves.js", "common.js", "player.js")
+SOLVING_SCRIPTS = ("solver.js", "explore.js", "ridden.js")  # of pages that solve, before the player
+
+
+OTHER_FILES = {  # ending -> what writes such a file
+    **dict.fromkeys((".mp4", ".mov", ".avi", ".webm"), "export_mp4(path) writes a film"),
+    ".gif": "export_gif(path) writes a film",
+    **dict.fromkeys((".png", ".svg", ".pdf", ".jpg"), "save_figure of a picture() writes a picture"),
+    **dict.fromkeys((".glb", ".gltf"), "export_glb(path) writes a scene"),
+}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -41,6 +51,16 @@ class View(HtmlPage):
         bodies = f"{self.bodies} {'body' if self.bodies == 1 else 'bodies'}"
         motion = f"{self.frames} frames of {self.seconds:g} s, " if self.frames > 1 else ""
         return f"<view: {bodies}, {motion}{len(self.html.encode()) / 1e6:.2f} MB; .save(path) or .open()>"
+
+    def save(self, path: str | Path) -> Path:
+        """Write the page; ".html" is appended if missing.
+
+        ValueError if the folder cannot be written, and for the name of a film or a picture.
+        """
+        ending = as_path(path, "view.html").suffix.lower()
+        if ending in OTHER_FILES:
+            raise InputError(f"'{path}': a view is a page (.html); {OTHER_FILES[ending]}")
+        return super().save(path)
 
     def open(self) -> Path:
         """Write the page to a temporary file and show it in the browser; ValueError if there is none."""
@@ -70,12 +90,15 @@ def asset(name: str, package: str = "mbsd3d.view.page") -> str:
 def make_page(content: Content, dark: bool | None, user: str) -> str:
     """Return the HTML of the whole page."""
     scene, data = scene_and_data(content, user)
+    solver, explore, ride = SOLVING_SCRIPTS
+    solving = [explore] * (content.explore is not None) + [ride] * (content.ride is not None)
+    scripts = (*SCRIPTS[:-1], *([solver, *solving] if solving else ()), SCRIPTS[-1])
     texts = {
         "style": asset("player.css"),
         "scene": scene,
         "client": client_head(),
         "data": as_script(data),
-        "script": "\n".join(asset(name) for name in SCRIPTS),
+        "script": "\n".join(map(asset, scripts)),
         "dark": json.dumps(dark),
     }
     return page_template("player.html").render(
@@ -83,6 +106,9 @@ def make_page(content: Content, dark: bool | None, user: str) -> str:
         moving=content.frames.t.size > 1,
         timed=content.timed,
         curves=bool(content.curves),
+        explore=content.explore is not None,
+        ride=content.ride is not None,
+        captions=any(text for _, text in content.captions),
         **{name: Markup(text) for name, text in texts.items()},
     )
 

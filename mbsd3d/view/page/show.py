@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...base.checks import number
+from ...base.checks import as_tuple, number
 from ...base.checks import short_repr as shown_text
 from ...base.errors import InputError
 from ...base.paths import ready_path
@@ -16,6 +16,9 @@ from ...mechanism.mechanism import Mechanism
 from ...mechanism.state import State
 from ...plotting.panels import Wanted
 from ...results.motion import Motion
+from ...results.result import RunResult
+from ..explore.exploration import Exploration, exploration_data
+from ..explore.ridden import Ride, ride_data
 from ..scene.artist import draw_system
 from ..scene.camera import directions, followed_body
 from ..scene.drawing import DEFAULT_LAYERS, Layers, poses_of, title_of
@@ -64,6 +67,9 @@ class MotionOptions:
     follow: Body | Ground | str | None = None
     view: Sequence[float] | None = None
     beside: Motion | None = None
+    explore: Exploration | None = None
+    ride: Ride | None = None
+    captions: Sequence[tuple[float, str]] = ()
 
 
 def animate(
@@ -83,6 +89,8 @@ def motion_content(motion: Motion, options: MotionOptions, progress: Progress, l
         raise InputError(f"solution.animate: beside {shown_text(beside)} is not a solution; give one, or None")
     followed = followed_body(motion, options.follow, live)
     visible, axes = page_layers(motion.system, options.layers), directions(options.view)
+    every = frames_of(motion, frames)
+    captions = captions_of(motion, options.captions)
     speed = None if options.speed is None else number(options.speed, "speed", positive=True)
     drawing, name = draw_system(motion.system), options.title or title_of(motion.system)
 
@@ -96,12 +104,35 @@ def motion_content(motion: Motion, options: MotionOptions, progress: Progress, l
         least = None if beside is None else reach_of(beside, frames, visible, axes, drawing.origin)
         pace = speed or sensible_speed(float(at.t[-1] - at.t[0]))
         shown = nearby(drawing, at, arrows, paths)
-        return Content(*shown, lines, pace, name, visible, True, followed, options.view, least)
+        solves = None
+        if options.explore is not None and isinstance(motion, RunResult):
+            solves = exploration_data(
+                options.explore, motion, drawing.origin, (options.curves, options.traces), (arrows, paths)
+            )
+        ride = None if options.ride is None else ride_data(options.ride, motion.system, drawing.origin)
+        return Content(
+            *shown, lines, pace, name, visible, True, followed, options.view, least, solves, ride, captions
+        )  # fmt: skip
 
-    content = gathered(frames_of(motion, frames))
+    content = gathered(every)
     if frames is None and not live and (weight := weight_of(content)) > MOTION_BYTES_MAX:
         return gathered(frames_of(motion, max(2, int(content.frames.t.size * MOTION_BYTES_MAX / weight))))
     return content
+
+
+def captions_of(motion: Motion, given: Sequence[tuple[float, str]]) -> list[tuple[float, str]]:
+    """Return the captions in the order of their times; raise InputError for one outside the run."""
+    first, last = float(motion.t[0]), float(motion.t[-1])
+    entries = [as_tuple(x, "solution.animate: caption", "a pair (time, text)") for x in given]
+    if bad := [x for x in entries if len(x) != 2 or not isinstance(x[1], str)]:
+        raise InputError(f"solution.animate: caption {shown_text(bad[0])} is not a pair (time, text); give one")
+    found = sorted((number(t, "solution.animate: time of a caption"), text) for t, text in entries)
+    for t, text in found:
+        if not first <= t <= last:
+            raise InputError(
+                f"solution.animate: caption '{text}' at {t:g} s is not within the run; give {first:g} ... {last:g} s"
+            )
+    return found
 
 
 def reach_of(motion: Motion, frames: int | None, layers: Sequence[str], axes: np.ndarray, origin: np.ndarray) -> Reach:

@@ -6,6 +6,7 @@ Arrows, rods and springs of one kind are copies of one mesh in one node, laid al
 """
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -13,7 +14,6 @@ import numpy as np
 from ...base.rotations import matrix
 from ...base.style import GREY, GROUND_GRID_GREYS, SECTOR_BRIGHTNESS, channels, linear, muted_colour, rgb
 from ...mechanism.shapes import Mesh
-from ...mechanism.shapes.triangles import joined
 from ..scene.camera import directions, frame_camera, round_up, sight
 from ..scene.drawing import DEFAULT_LAYERS, LAYERS, WORLD_AXES, Drawing, Link, bounds
 from ..scene.frames import Frames
@@ -26,8 +26,8 @@ from ..scene.meshes import (
     unit_coil,
     unit_or_z,
     unit_rod,
-    with_shade,
 )
+from ..scene.nodes import ghost_nodes, mesh_nodes, wire_nodes
 from ..scene.overlays import Arrows, Trace, moved
 from .recorder import printable
 
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 
 FIELD_OF_VIEW = 0.7  # [rad] vertical
 GROUND_FADE_DISTANCE = 12.0  # [camera distances] at which an endless ground has faded
+GHOST_COLOUR, GHOST_OPACITY = (120, 130, 145), 0.3  # of the bodies of another motion
 SUN_DIRECTION = (-0.5, -1.5, 3.0)  # [1] towards the sun
 ARROW_LENGTH_SHARE = 0.4  # [sizes of the mechanism] of the longest arrow of each kind
 # [cells] of the ground grid along what is seen, and of a ground without an edge
@@ -63,8 +64,9 @@ class Links:
     def __init__(
         self, scene: "SceneApi", name: str, links: Sequence[Link], frames: Frames, size: float, scale: float
     ) -> None:
-        self.ends, self.scale = [link.ends for link in links], scale
-        spans = np.stack([moved(frames, *end) - moved(frames, *start) for start, end in self.ends], axis=1)
+        self.links, self.scale = links, scale
+        ends = [link.placed(partial(moved, frames)) for link in links]
+        spans = np.stack([end - start for start, end in ends], axis=1)
         lengths = np.sqrt((spans**2).sum(axis=-1)).mean(axis=0)
         spring = links[0].spring
         self.radii = np.maximum(COIL_RADIUS_RATIO * lengths if spring else 0.0, ROD_RADIUS_RATIO * size) + 0.0 * lengths
@@ -75,7 +77,7 @@ class Links:
 
     def move(self, r: np.ndarray, e: np.ndarray) -> None:
         """Place the links between their ends at a pose."""
-        ends = np.array([[r[k] + matrix(e[k]) @ p for k, p in pair] for pair in self.ends])
+        ends = np.array([link.placed(lambda k, p: r[k] + matrix(e[k]) @ p) for link in self.links])
         lay(self.node, ends[:, 0], ends[:, 1] - ends[:, 0], self.scale, self.radii, self.rest)
 
 
@@ -110,7 +112,8 @@ class Stage:
 
     ``shown``: the layers that are visible first; ``near``: the camera frames the mechanism at the first frame only;
     ``endless``: the ground has no edge; ``view``: azimuth and elevation of the first view [degrees], None = the usual;
-    ``least``: what a view that is not near holds at least; ``pivot`` (3,): the point about which all may swing, world.
+    ``least``: what a view that is not near holds at least; ``pivot`` (3,): the point about which all may swing, world;
+    ``ghost``: there are pale copies of the bodies, hidden at first.
     """
 
     def __init__(
@@ -128,6 +131,7 @@ class Stage:
         view: Sequence[float] | None = None,
         least: Reach | None = None,
         pivot: np.ndarray | None = None,
+        ghost: bool = False,
     ) -> None:
         axes = directions(view)
         box, seen = boxes(drawing, frames.first if near else frames, shown, axes)  # of what the first view holds
@@ -146,6 +150,8 @@ class Stage:
             for i, (position, orientation) in enumerate(zip(frames.r[0], frames.e[0], strict=True))
         ]
         self.add_pieces(drawing)
+        if ghost:
+            self.add_ghosts(drawing)
         self.add_wires(drawing)
         self.add_tags(drawing)
         self.links: list[Links] = []
@@ -186,28 +192,26 @@ class Stage:
 
     def add_pieces(self, drawing: Drawing) -> None:
         """Add one mesh for all pieces of a body that share layer, colour and shade."""
-        groups: dict[tuple[int, str, str, int], list[Mesh]] = {}
-        for piece in drawing.pieces:
-            for shade in (0, 1):
-                if (piece.mesh.shade == shade).any():
-                    key = piece.body, piece.layer, piece.colour, shade
-                    groups.setdefault(key, []).append(with_shade(piece.mesh, shade))
-        for k, ((body, layer, colour, shade), parts) in enumerate(groups.items()):
-            mesh, tint = joined(*parts), rgb(colour, SECTOR_BRIGHTNESS if shade else 1.0)
-            place = f"/bodies/{body}/mesh{k}"
-            node = self.scene.add_mesh_simple(place, mesh.vertices * self.scale, mesh.faces, color=tint, side="double")
+        for name, _, layer, colour, shade, mesh in mesh_nodes(drawing):
+            tint = rgb(colour, SECTOR_BRIGHTNESS if shade else 1.0)
+            node = self.scene.add_mesh_simple(name, mesh.vertices * self.scale, mesh.faces, color=tint, side="double")
             self.layers[layer].append(node)
+
+    def add_ghosts(self, drawing: Drawing) -> None:
+        """Add pale copies of the bodies, hidden, for another motion of the same mechanism."""
+        for i, body in enumerate(self.bodies[:-1]):
+            self.scene.add_frame(f"/ghosts/{i}", show_axes=False, visible=False, position=body.position, wxyz=body.wxyz)
+        for i, mesh in ghost_nodes(drawing):
+            if i < len(self.bodies) - 1:
+                self.scene.add_mesh_simple(
+                    f"/ghosts/{i}/mesh", mesh.vertices * self.scale, mesh.faces, color=GHOST_COLOUR,
+                    opacity=GHOST_OPACITY, side="double", cast_shadow=False,
+                )  # fmt: skip
 
     def add_wires(self, drawing: Drawing) -> None:
         """Add one set of segments for all wires of a body that share layer and colour."""
-        groups: dict[tuple[int, str, str], list[np.ndarray]] = {}
-        for wire in drawing.wires:
-            segments = np.stack([wire.points[:-1], wire.points[1:]], axis=1)
-            segments = segments[np.isfinite(segments).all(axis=(1, 2))]
-            if len(segments):
-                groups.setdefault((wire.body, wire.layer, wire.colour), []).append(segments)
-        for k, ((body, layer, colour), parts) in enumerate(groups.items()):
-            self.add_segments(f"/bodies/{body}/wire{k}", layer, np.concatenate(parts), colour, 2.0)
+        for name, _, layer, colour, segments in wire_nodes(drawing):
+            self.add_segments(name, layer, segments, colour, 2.0)
 
     def add_segments(
         self, name: str, layer: str, segments: np.ndarray, colour: str, width: float
@@ -238,8 +242,9 @@ class Stage:
         """Add the whole path, pale, and the part that was passed, strong."""
         segments = np.stack([trace.points[:-1], trace.points[1:]], axis=1)
         if len(segments):
-            self.add_segments(f"/traces/{i}/path", "traces", segments, muted_colour(trace.colour), 1.5)
-            self.traces.append(self.add_segments(f"/traces/{i}/passed", "traces", segments, trace.colour, 3.0))
+            place = f"/bodies/{trace.frame}/trace{i}"
+            self.add_segments(f"{place}/path", "traces", segments, muted_colour(trace.colour), 1.5)
+            self.traces.append(self.add_segments(f"{place}/passed", "traces", segments, trace.colour, 3.0))
 
     def add_grid(self, low: np.ndarray, high: np.ndarray, floor: float, endless: bool) -> None:
         """Add a ground grid whose lines are at round coordinates."""
@@ -248,9 +253,10 @@ class Stage:
         cell, span = self.cell, float((high - low)[:2].max())
         side = 2.0 * np.ceil(0.75 * span / cell + 1.0) * cell * self.scale
         middle = np.round(0.5 * (low + high)[:2] / cell) * cell
+        self.ground = [*map(float, middle), float(min(floor, low[2]))]
         node = self.scene.add_grid(
             "/grid", side, side, cell_size=cell * self.scale, section_size=5.0 * cell * self.scale,
-            position=np.array([*middle, min(floor, low[2])]) * self.scale,
+            position=np.array(self.ground) * self.scale,
             cell_color=(thin,) * 3, section_color=(thick,) * 3, shadow_opacity=0.25, infinite_grid=endless,
             # 100 is the default of viser
             fade_distance=GROUND_FADE_DISTANCE * distance if endless else max(100.0, 4.0 * distance),

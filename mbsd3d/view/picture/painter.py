@@ -98,7 +98,7 @@ class Painter:
         for body, local in [(p.body, p.mesh.vertices) for p in pieces] + [(w.body, w.points) for w in self.wires]:
             points.append((local @ R[:, body].transpose(0, 2, 1) + r[:, None, body]).reshape(-1, 3))
         for link in self.links:
-            points += [R[:, body] @ point + r[:, body] for body, point in link.ends]
+            points += link.placed(lambda body, point: R[:, body] @ point + r[:, body])
         cloud = np.concatenate([*points, r.reshape(-1, 3)[:1]])
         cloud = cloud[np.isfinite(cloud).all(axis=1)]
         self.low, self.high = cloud.min(axis=0), cloud.max(axis=0)
@@ -135,7 +135,7 @@ class Painter:
             strokes = self.strokes(segments[np.isfinite(segments).all(axis=(1, 2))], wire.colour, AXIS)
             found.append(strokes._replace(lift=strokes.lift - self.longest))  # what lies within a solid stays hidden
         for link in self.links:
-            ends = np.array([R[body] @ point + r[body] for body, point in link.ends])
+            ends = np.array(link.placed(lambda body, point: R[body] @ point + r[body]))
             found.append(self.strokes(ends[None], self.sheet.muted, LINK))
         return join(found)
 
@@ -153,7 +153,8 @@ class Painter:
     ) -> None:
         """Paint poses (r, e) on top of each other, paths as far as their points go, and arrows with their legend.
 
-        The axes get the paper's units of 1/72 inch; names belong to the last pose.
+        Paths seen from a body are drawn where its last pose has it. The axes get the paper's units of 1/72 inch; names
+        belong to the last pose.
         """
         width, height = POINTS_PER_INCH * self.inches[0], POINTS_PER_INCH * self.inches[1]
         axes.set(xlim=(0, width), ylim=(0, height))
@@ -165,7 +166,8 @@ class Painter:
             shadows = [self.solids.shadow(r, matrix(e), self.floor) for r, e in poses]
             self.paint_ground(axes, np.concatenate(shadows))
         for trace in traces:
-            strokes = np.stack([trace.points[:-1], trace.points[1:]], axis=1)
+            points = trace.at(*poses[-1])
+            strokes = np.stack([points[:-1], points[1:]], axis=1)
             found.append(self.strokes(strokes, trace.colour, PATH))
         self.paint_items(axes, join(found))
         self.paint_directions(axes)

@@ -82,7 +82,9 @@ def painter_of(
     low, high = bounds(drawing, r, e, layers)
     reach = REACH * float((high - low).max())
     if not near:
-        also = np.concatenate([NONE, *(x.points for x in paths), *(tips_of(x, reach, drawn) for x in vectors)])
+        also = np.concatenate(
+            [NONE, *(x.at(r[-1], e[-1]) for x in paths), *(tips_of(x, reach, drawn) for x in vectors)]
+        )
     camera = stood_back(seen_from(frame_camera(low, high), view), also)
     lens, sheet = lens_of(camera), theme(dark)
     return Painter(drawing, lens, r, e, inches, sheet=sheet, layers=layers, fine=fine, also=also, floor=floor), reach

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...base.rotations import matrix
-from ...base.style import SECTOR_BRIGHTNESS, channels, with_superscripts
+from ...base.style import SECTOR_BRIGHTNESS, channels
+from ...base.wording import with_superscripts
 from ...mechanism.shapes import Mesh
 from ...mechanism.shapes.triangles import moved
 from ...mechanism.shapes.triangles import normals as vertex_normals
@@ -236,6 +237,5 @@ def pointers_of(arrows: Arrows, frame: int, reach: float, lens: Lens) -> Pointer
             mesh = arrow_along(arrows.points[frame, k], vector, reach, arrows.heads)
             pieces.append(Piece(name, arrows.kind, 0, mesh, arrows.tints[k]))
     unsure = ", pale: not unique" if any(arrows.uncertain) else ""
-    return Pointers(
-        pieces, f"{arrows.kind}, longest {longest:.3g} {with_superscripts(arrows.unit)}{unsure}", arrows.colour, lens
-    )
+    size = f", longest {longest:.3g} {with_superscripts(arrows.unit)}" if arrows.unit else ""
+    return Pointers(pieces, f"{arrows.kind}{size}{unsure}", arrows.colour, lens)

@@ -92,6 +92,7 @@ def control_data(control: Control) -> dict[str, object]:
     return {
         "name": control.name, "low": control.low, "high": control.high, "value": control.value, "unit": control.unit,
         "keys": [list(pair) for pair in control.keys], "pad": control.pad, "springs": control.springs,
+        "hint": control.hint,
     }  # fmt: skip
 
 

@@ -10,6 +10,7 @@ from ...base.errors import InputError
 from ...mechanism.bodies import GROUND, Body, Ground
 from ...mechanism.mechanism import Mechanism
 from ...results.motion import Motion
+from .glyphs import Spanning
 
 FRAMING_FACTOR = 1.12  # [1] of the box that is seen: margin around it
 NEAR_PLANE_SHARE = 0.02  # [camera distances] from the eye within which nothing is drawn
@@ -145,11 +146,17 @@ def pair(value: Sequence[float], what: str) -> tuple[float, float]:
 
 
 def followed_body(motion: Motion, follow: Body | Ground | str | None, live: bool = False) -> int:
-    """Return the number of the body that the camera follows, or -1; None = the heaviest of those that travel."""
+    """Return the number of the body that the camera follows, or -1; None = the heaviest of those that travel.
+
+    In a system that a spring or rod ties to the ground none does: a picture that leaves the ground loses that part.
+    """
     system = motion.system
     if isinstance(follow, Ground) or follow == GROUND.name or (follow is None and live):
         return -1
     if follow is None:
+        parts = (*system.joints, *system.forces)
+        if any(isinstance(part, Spanning) and (part.a is GROUND or part.b is GROUND) for part in parts):
+            return -1
         heaviest = max(range(len(system.bodies)), key=lambda i: system.bodies[i].mass)
         joined = (point for joint in system.joints for row in joint.primitives for point in row.points)
         start = np.array([*(body.centre for body in system.bodies), *joined])

@@ -3,7 +3,7 @@
 Bodies are given by their places in ``system.bodies``; the ground comes last (place ``len(system.bodies)``).
 """
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -12,15 +12,16 @@ import numpy as np
 from ...base.checks import as_tuple, short_repr
 from ...base.errors import InputError
 from ...base.rotations import matrix
+from ...base.wording import counted
 from ...mechanism.bodies import GROUND
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.shapes import Mesh
 from ...mechanism.state import State
 from ...run.simulation import check_state
 
-ARROWS = ("angular velocity", "angular momentum", "reaction force", "reaction moment")
+ARROWS = ("angular velocity", "angular momentum", "reaction force", "reaction moment", "engaged")
 NAMES = ("body names", "joint names")
-MARKS = ("centre of mass", "reference point")
+MARKS = ("inertia ellipsoids", "centre of mass", "reference point")
 DEFAULT_LAYERS = ("bodies", "joints", "springs and rods", "traces", "ground grid")
 LAYERS = ("bodies", "body names", "joints", "joint names", "springs and rods", "traces", "ground grid", *ARROWS, *MARKS)
 WORLD_AXES = np.eye(3)
@@ -31,7 +32,7 @@ class Piece(NamedTuple):
     """Triangles that move with a body."""
 
     name: str  # of the body or joint they show
-    layer: str  # "bodies", "joints", "centre of mass" or "reference point"
+    layer: str  # "bodies", "joints" or one of MARKS
     body: int
     mesh: Mesh  # body axes from O
     colour: str  # "#rrggbb"
@@ -47,12 +48,34 @@ class Wire(NamedTuple):
     colour: str
 
 
+class Rounds(NamedTuple):
+    """Circles that a link is a tangent of, in place of its ends."""
+
+    body: int  # whose
+    axis: np.ndarray  # they have, in body axes
+    arms: tuple[float, float]  # radii [m], below 0 for a link that leads clockwise about the axis; 0 of a point
+
+
 class Link(NamedTuple):
-    """A straight connection of two body points: spring, distance."""
+    """A straight connection of two body points, or of two circles: spring, distance, span of a rope."""
 
     name: str
     ends: tuple[tuple[int, np.ndarray], tuple[int, np.ndarray]]  # (body, point in body axes from O)
-    spring: bool = False  # a force, drawn as a coil; else a joint, drawn as a rod
+    spring: bool = False  # a force, drawn as a coil; else a joint or rope, drawn as a rod
+    rounds: Rounds | None = None
+
+    def placed(self, place: Callable[[int, np.ndarray], np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        """Return both ends (..., 3), where ``place(body, point)`` gives the points (..., 3) of a body."""
+        start, end = (place(*x) for x in self.ends)
+        if self.rounds is None:
+            return start, end
+        body, axis, (first, second) = self.rounds
+        n, gap = place(body, axis) - place(body, np.zeros(3)), end - start
+        flat = gap - np.sum(gap * n, axis=-1, keepdims=True) * n
+        d = np.linalg.norm(flat, axis=-1, keepdims=True)
+        sine = np.clip((first - second) / d, -1.0, 1.0)
+        side = sine * flat / d - np.sqrt(1.0 - sine * sine) * np.cross(n, flat) / d
+        return start + first * side, end + second * side
 
 
 class Tag(NamedTuple):
@@ -130,7 +153,7 @@ def poses_of(system: Mechanism, state: State | None = None) -> tuple[np.ndarray,
         check_state(state, "picture")
         q, n = state.q.reshape(-1, 7), len(system.bodies)
         if len(q) != n:
-            raise InputError(f"state has {len(q)} bodies, the system {n}; give a state of this system")
+            raise InputError(f"state has {counted(len(q), 'body')}, the system {n}; give a state of this system")
         r, e = q[:, :3], q[:, 3:]
     e = e / np.linalg.norm(e, axis=1, keepdims=True)
     return np.vstack([r, GROUND.position]), np.vstack([e, GROUND.orientation])

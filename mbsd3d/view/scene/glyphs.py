@@ -4,6 +4,7 @@ An angle is a barrel about its axis, a slide a rail along it, a plane a plate, a
 no way a cube, a coupling or driver a ring about the axis it acts on, anything else a ball at its point.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
@@ -14,15 +15,21 @@ from ...mechanism.contacts import RollingContact, RollingDisc
 from ...mechanism.couplings import GearMesh
 from ...mechanism.drivers import SpeedDriver
 from ...mechanism.force_element import ForceElement
-from ...mechanism.forces.cone_stop import ConeStop
-from ...mechanism.forces.end_stop import EndStop
+from ...mechanism.forces.cone_stop import ConeStop, RotationStop
+from ...mechanism.forces.end_stop import EndStop, PointStop
+from ...mechanism.forces.pin_play import PinPlay
+from ...mechanism.forces.rope import OverPulleys
+from ...mechanism.forces.sum_spring import SumSpring, SumStop
 from ...mechanism.joints import Joint
 from ...mechanism.joints.curve_contact import CurveContact
+from ...mechanism.primitives import Coordinate
 from ...mechanism.shapes.triangles import Mesh, ball, block, cylinder, moved, torus
+from ...mechanism.sums import weighted
 from ...mechanism.tooth_contact import Axle
 
 AXES_OF_A, AXES_OF_B = ("axis", "axis_a", "normal"), ("axis_b", "lateral")
 LOCKED_ROWS_MIN = 5  # [rows] from which a joint without an angle cannot turn
+PAST_SOLID_RATIO = 1.1  # [1] reach of the marks of a stop over that of the body that would hide them
 RIM_RADIUS_RATIO = 0.015  # [1] radius of the tube of a rolling circle over the radius of the circle
 
 
@@ -89,6 +96,19 @@ def circles(joint: Joint) -> list[Glyph]:
     if isinstance(joint, CurveContact) and joint.radius:
         return [circle(joint.b, joint.at, joint.pin_here, joint.radius)]
     return []
+
+
+def pulleys(force: ForceElement) -> list[Glyph]:
+    """Return the circles that a rope or belt goes round, with a spoke that shows their turning."""
+    nodes = force.path.nodes if isinstance(force, OverPulleys) else []
+    found = []
+    once = {(id(node.body), node.point.tobytes()): node for node in nodes}  # a belt comes back to its first pulley
+    for body, point, arm, axis, _ in once.values():
+        if arm != 0.0:
+            radius, width = abs(arm), 2.0 * RIM_RADIUS_RATIO * abs(arm)
+            spoke = moved(scaled(block(), radius, width, width), np.eye(3), np.array([0.5 * radius, 0.0, 0.0]))
+            found += [circle(body, point, axis, radius), placed(spoke, body, point, axis)]
+    return found
 
 
 def solids(joint: Joint, size: float) -> list[Glyph]:
@@ -161,40 +181,96 @@ def spokes(joint: Joint, length: float) -> list[tuple[Body | Ground, np.ndarray]
     return found
 
 
-def limits(stop: ForceElement, size: float) -> list[tuple[Body | Ground, np.ndarray]]:
-    """Return (body, points in its axes from O [m]) of what a stop limits: its limits in a, and the pointer in b."""
-    if isinstance(stop, ConeStop):
-        return cone(stop, 3.0 * size)
-    if not isinstance(stop, EndStop):
-        return []
-    x, at = stop.coordinate(""), stop.joint.point()
+def limits(stop: ForceElement, size: float, solid: np.ndarray) -> list[tuple[Body | Ground, np.ndarray]]:
+    """Return (body, points in its axes from O [m]) of what a stop limits: its limits in a, and the pointer in b.
+
+    ``solid``: (k, 3) points of body b, world at the reference pose [m], which must not hide the marks.
+    """
+    if isinstance(stop, ConeStop | RotationStop):
+        length = max(3.0 * size, PAST_SOLID_RATIO * farthest(solid - stop.joint.point()))
+        return cone(stop, length) if isinstance(stop, ConeStop) else turn_limit(stop, length)
+    if isinstance(stop, PinPlay):
+        return hole(stop, size)
+    if isinstance(stop, SumStop) and len(stop.joints) == 1:
+        ((x, weight),) = weighted(stop.joints, stop.weights, stop.of)
+        return range_of(x, [limit / weight for limit in stop.limits], stop.joints[0].point(), size, solid)
+    if isinstance(stop, EndStop | PointStop):
+        at = stop.joint.point() if isinstance(stop, EndStop) else stop.at
+        pin = at if isinstance(stop, EndStop) else stop.at_b
+        return range_of(stop.coordinate(), stop.limits, at, size, solid, pin)
+    return []
+
+
+def range_of(
+    x: Coordinate, given: Sequence[float], at: np.ndarray, size: float, solid: np.ndarray, pin: np.ndarray | None = None
+) -> list[tuple[Body | Ground, np.ndarray]]:
+    """Return the strokes of the limits of a coordinate at a point, and of its pointer, of a slide at ``pin``."""
     across, aside = perpendiculars(x.axis)
-    ends = [limit for limit in stop.limits if np.isfinite(limit)]
-    if x.kind == "angle":
+    ends = [limit for limit in given if np.isfinite(limit)]
+    if x.kind == "angle":  # on the nearer face of the body, as the scale of an instrument
+        along = (solid - at) @ x.axis
+        low, high = along.min(initial=0.0), along.max(initial=0.0)
+        at = at + (high + 0.3 * size if high <= -low else low - 0.3 * size) * x.axis if len(solid) else at
+        length = max(3.0 * size, 0.5 * farthest((solid - at) @ np.column_stack([across, aside])))
         rays = [np.cos(f) * across + np.sin(f) * aside for f in ends]
-        strokes = [(x.a, at, at + 3.0 * size * ray) for ray in rays]
+        strokes = [(x.a, at, at + length * ray) for ray in rays]
         pointer = matched_perpendiculars(x.axis, x.axis_b)[0] if x.zero_b is None else x.zero_b
-        strokes.append((x.b, at, at + 2.4 * size * pointer))
+        strokes.append((x.b, at, at + 0.8 * length * pointer))
     elif x.kind == "slide":
-        bar = 0.8 * size * across
+        bar = max(0.8 * size, PAST_SOLID_RATIO * np.abs((solid - at) @ across).max(initial=0.0) + 0.4 * size) * across
         strokes = [(x.a, at + f * x.axis - bar, at + f * x.axis + bar) for f in ends]
-        strokes.append((x.b, at - 0.5 * bar, at + 0.5 * bar))
+        pointer, middle = bar - 0.4 * size * across, at if pin is None else pin
+        strokes.append((x.b, middle - pointer, middle + pointer))
     else:
         return []  # along a curve
     return [(body, np.array([body.local_point(point) for point in points])) for body, *points in strokes]
 
 
+def farthest(arms: np.ndarray) -> float:
+    """Return the length of the longest of some vectors (k, n), 0 of none."""
+    return float(np.sqrt((arms**2).sum(axis=1)).max(initial=0.0))
+
+
+def hole(play: PinPlay, size: float) -> list[tuple[Body | Ground, np.ndarray]]:
+    """Return the rim of the bearing of a pin with play, larger than it is, and the axis of the pin."""
+    x, y = perpendiculars(play.axis)
+    around = np.linspace(0.0, 2.0 * np.pi, 37)[:, None]
+    rim = play.at + max(play.pin_radius + play.clearance, 0.6 * size) * (np.cos(around) * x + np.sin(around) * y)
+    pin = (play.at_b - 0.5 * size * play.axis, play.at_b + 0.5 * size * play.axis)
+    return [(body, np.array([body.local_point(point) for point in points])) for body, points in
+            ((play.a, rim), (play.b, pin))]  # fmt: skip
+
+
 def cone(stop: ConeStop, length: float) -> list[tuple[Body | Ground, np.ndarray]]:
     """Return the rim of the cone of a stop, and the axis that stays in it."""
-    a, b, at = stop.joint.a, stop.joint.b, stop.joint.point()
-    x, y = perpendiculars(stop.axis_a)
+    return rim(stop.joint, (stop.axis_a, stop.axis_b), stop.half_angle, length)
+
+
+def turn_limit(stop: RotationStop, length: float) -> list[tuple[Body | Ground, np.ndarray]]:
+    """Return rims that two hands of b at right angles do not leave: a turn across a hand by the limit leads it there.
+
+    The first hand points from the joint to the centre of mass.
+    """
+    arm = stop.joint.b.centre - stop.joint.point()
+    reach = float(np.linalg.norm(arm))
+    hand = arm / reach if reach > 0.0 else np.array([0.0, 0.0, 1.0])
+    return [x for one in (hand, perpendiculars(hand)[0]) for x in rim(stop.joint, (one, one), stop.angle, length)]
+
+
+def rim(
+    joint: Joint, axes: tuple[np.ndarray, np.ndarray], half_angle: float, length: float
+) -> list[tuple[Body | Ground, np.ndarray]]:
+    """Return the rim of a cone about the first of two axes, in a, and the second one as a hand, in b."""
+    at, (x, y) = joint.point(), perpendiculars(axes[0])
     around = np.linspace(0.0, 2.0 * np.pi, 37)[:, None]
-    side = np.sin(stop.half_angle) * (np.cos(around) * x + np.sin(around) * y)
-    rim = at + length * (np.cos(stop.half_angle) * stop.axis_a + side)
-    pointer = (at, at + length * stop.axis_b)
-    return [
-        (body, np.array([body.local_point(point) for point in points])) for body, points in ((a, rim), (b, pointer))
-    ]
+    side = np.sin(half_angle) * (np.cos(around) * x + np.sin(around) * y)
+    strokes = (joint.a, at + length * (np.cos(half_angle) * axes[0] + side)), (joint.b, (at, at + length * axes[1]))
+    return [(body, np.array([body.local_point(point) for point in points])) for body, points in strokes]
+
+
+def strung(force: ForceElement) -> list[tuple[Body | Ground, np.ndarray]]:
+    """Return (body, world point at the reference pose) of the joints that a sum strings together, else nothing."""
+    return [(joint.b, joint.point()) for joint in force.joints] if isinstance(force, SumSpring | SumStop) else []
 
 
 def joints_of(part: Part) -> list[tuple[Body | Ground, np.ndarray]]:

@@ -1,7 +1,7 @@
 """Arrows, traces and curves over time of a motion, and the reactions that arrows show; no plotting library."""
 
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,10 +13,11 @@ from ...base.rotations import matrix
 from ...base.style import COLOURS, colour, muted_colour
 from ...equations.at_state import load_rows
 from ...equations.compiled import Compiled
-from ...mechanism.bodies import Body, Ground
+from ...mechanism.bodies import GROUND, Body, Ground
+from ...mechanism.joints import Joint
 from ...mechanism.mechanism import Mechanism
 from ...plotting.default_curves import default_curves, seen_panels
-from ...plotting.panels import Panel, Wanted
+from ...plotting.panels import Panel, Wanted, engaged_parts
 from ...results.checks.check import scales_of
 from ...results.motion import Motion
 from ...results.reactions import Reaction
@@ -26,15 +27,15 @@ from .frames import Between, Frames, between
 
 TRACES_MAX = 12  # [traces] drawn unless more are asked for
 VECTOR_ROUNDING = 1e-9  # [1] of the scale of a vector: rounding of one that is zero
-Point = Body | str | tuple[Body | str, ArrayLike]
+Point = Body | str | tuple[Body | str, ArrayLike] | tuple[Body | str, ArrayLike, Body | Ground | str]
 Points = Iterable[Point]
 
 
 class Arrows(NamedTuple):
     """Vectors of one kind over the frames."""
 
-    kind: str  # "angular velocity", "angular momentum", "reaction force", "reaction moment"
-    unit: str  # "rad/s", "kg m^2/s", "N", "N m"
+    kind: str  # one of `drawing.ARROWS`
+    unit: str  # "rad/s", "kg m^2/s", "N", "N m"; "" where a length says nothing
     names: list[str]  # of the bodies or joints
     colour: str
     points: np.ndarray  # (frames, k, 3) world [m]
@@ -67,11 +68,16 @@ class Vectors(NamedTuple):
 
 
 class Trace(NamedTuple):
-    """Path of a point."""
+    """Path of a point, as it is seen from a body or from the ground."""
 
     name: str
     colour: str
-    points: np.ndarray  # (frames, 3) world [m]
+    points: np.ndarray  # (frames, 3) axes of that body [m]
+    frame: int  # its number; the ground is the last one
+
+    def at(self, r: np.ndarray, e: np.ndarray) -> np.ndarray:
+        """Return the points in the world (frames, 3) at a pose of all bodies, r (n + 1, 3) and e (n + 1, 4)."""
+        return self.points @ matrix(e[self.frame]).T + r[self.frame]
 
 
 class Curve(NamedTuple):
@@ -80,13 +86,15 @@ class Curve(NamedTuple):
     label: str  # "angle of hinge"
     unit: str  # "rad"
     lines: list[tuple[str, np.ndarray]]
+    size: float = 0.0  # what such a quantity amounts to in the run; 1e-9 of it is rounding
 
 
 def arrows_of(motion: Motion, frames: Frames) -> list[Arrows]:
-    """Return the four kinds of arrows, without those that are zero throughout; a mode has none.
+    """Return the kinds of arrows, without those that are zero throughout; a mode has none.
 
     Angular velocities and angular momenta ``R I R' w`` are drawn at the centres of mass, reactions at the points at
-    which `Solution.reaction` gives them; between samples vectors change along straight lines.
+    which `Solution.reaction` gives them, and while a part is engaged that switches at events, its axis (or z); between
+    samples vectors change along straight lines.
     """
     if not isinstance(motion, RunResult):
         return []
@@ -107,12 +115,22 @@ def arrows_of(motion: Motion, frames: Frames) -> list[Arrows]:
         for shares, kind in ((forces, "force"), (moments, "moment")):
             values, known = reaction.shown(kind)
             shares.append(Vectors(name, point, values, known == "none"))
+    engaged = []
+    for name, (part, holds) in engaged_parts(motion).items():
+        if not isinstance(part, Joint) and not part.partners():
+            continue  # a pin in its play has no axis
+        joint = part.held() if isinstance(part, Joint) else part.partners()[0]
+        x = joint.angle() or joint.slide()
+        axis = motion.body_axis(joint.b, np.array([0.0, 0.0, 1.0]) if x is None else x.axis_b)
+        point = carried(motion, frames, used, where, joint.b, joint.reaction_points(motion)[used])
+        engaged.append(Vectors(name, point, (holds[:, None] * axis)[used]))
     fastest = max(1.0, *(float(np.abs(spin.values).max()) for spin in spins))
     kinds = (
         ("rad/s", spins, fastest, COLOURS[2]),
         ("kg m^2/s", momenta, scale.angular_momentum, COLOURS[5]),
         ("N", forces, scale.force, COLOURS[1]),
         ("N m", moments, scale.moment, COLOURS[3]),
+        ("", engaged, 1.0, COLOURS[4]),
     )
     made = []
     for kind, (unit, found, size, tint) in zip(ARROWS, kinds, strict=True):
@@ -161,41 +179,66 @@ def nearby(
         float(drawing.floor - o[2]),
     )
     r = np.concatenate([frames.r[:, :ground] - o, frames.r[:, ground:]], axis=1)
-    paths = [x._replace(points=x.points - o) for x in traces]
+    paths = [x._replace(points=there(x.frame, x.points)) for x in traces]
     return near, frames._replace(r=r), [x._replace(points=x.points - o) for x in arrows], paths
 
 
 def traces_of(motion: Motion, frames: Frames, points: Points | None = None) -> list[Trace]:
     """Return the paths of points of bodies, in the colours of the bodies.
 
-    ``points``: bodies or names, whose centres of mass are meant, and pairs of one and a world point at the reference
-    pose [m], carried by the body; None = the centres of mass that move by more than 1 % of the mechanism's size, at
-    most 12, those that move most.
+    ``points``: bodies or names, whose centres of mass are meant; pairs of one and a world point at the reference pose
+    [m], carried by the body; and a third, a body from which the path is seen. None = the centres of mass that move by
+    more than 1 % of the mechanism's size, at most 12, those that move most.
     """
-    system = motion.system
-    index = {id(body): i for i, body in enumerate(system.bodies)}
+    system, ground = motion.system, len(motion.system.bodies)
+    index = {id(body): i for i, body in enumerate(system.bodies)} | {id(GROUND): ground}
     if points is not None:
         if isinstance(points, str):
             raise InputError(f"traces = {points!r:.80}; give a list of (body, (x, y, z))")
         found = [trace_point(system, entry) for entry in as_tuple(points, "traces", "a list of (body, (x, y, z))")]
-        return [Trace(body.name, colour(index[id(body)]), moved(frames, index[id(body)], x)) for body, x in found]
+        return [
+            Trace(
+                body.name,
+                colour(index[id(body)]),
+                relative_to(frames, index[id(base)], moved(frames, index[id(body)], x)),
+                index[id(base)],
+            )
+            for body, x, base in found
+        ]
     paths = [moved(frames, i, body.com) for i, body in enumerate(system.bodies)]
     ways = np.array([float(np.ptp(path, axis=0).max()) for path in paths])
     size = max(motion.compiled.model.length, float(np.ptp(np.concatenate(paths), axis=0).max()))
     most = sorted(np.argsort(-ways, kind="stable")[:TRACES_MAX].tolist())
-    return [Trace(system.bodies[i].name, colour(i), paths[i]) for i in most if ways[i] > 0.01 * size]
+    return [Trace(system.bodies[i].name, colour(i), paths[i], ground) for i in most if ways[i] > 0.01 * size]
 
 
-def trace_point(system: Mechanism, entry: Point) -> tuple[Body, np.ndarray]:
-    """Return body and point in its axes of an entry (body or name, world point at the reference pose), or of a body."""
+def relative_to(frames: Frames, base: int, points: np.ndarray) -> np.ndarray:
+    """Return points (frames, 3) of the world in the axes of a body; the ground's are those of the world."""
+    return np.einsum("tji,tj->ti", matrix(frames.e[:, base]), points - frames.r[:, base])
+
+
+def trace_point(system: Mechanism, entry: Point) -> tuple[Body, np.ndarray, Body | Ground]:
+    """Return the body, the point in its axes, and the body from which it is seen, of an entry of ``traces``."""
     if isinstance(entry, Body | str):
         body = system.part(entry)
-        return body, body.com
-    if not isinstance(entry, tuple | list) or len(entry) != 2:
-        raise InputError(f"trace {short_repr(entry)} is neither a body nor a pair; give a body, or (body, (x, y, z))")
-    part, point = entry
+        return body, body.com, GROUND
+    if not isinstance(entry, tuple | list) or len(entry) not in (2, 3):
+        raise InputError(
+            f"trace {short_repr(entry)} is neither a body nor a point of one; give a body, (body, (x, y, z)), or "
+            "(body, (x, y, z), body from which it is seen)"
+        )
+    part, point, *base = entry
     body = system.part(part)
-    return body, body.local_point(vector(point, f"trace of body '{body.name}'"))
+    return (
+        body,
+        body.local_point(vector(point, f"trace of body '{body.name}'")),
+        system.part(base[0]) if base and not is_ground(base[0]) else GROUND,
+    )
+
+
+def is_ground(base: Any) -> bool:
+    """Return whether a path is seen from the ground, GROUND or its name, which no body has."""
+    return base is GROUND or (isinstance(base, str) and base == GROUND.name)
 
 
 def curves_of(motion: Motion, frames: Frames, wanted: Wanted | None = None) -> list[Curve]:
@@ -203,7 +246,7 @@ def curves_of(motion: Motion, frames: Frames, wanted: Wanted | None = None) -> l
 
     Of force and moment, momentum and angular momentum the one that is zero throughout is left out. ``wanted`` None =
     what tells most: angles or slides of at most 6 joints that move (else the angular velocity of the first body), the
-    energies, the efforts of drivers, and the reactions of at most 6 joints.
+    energies, the efforts of drivers, the reactions of at most 6 joints, and which parts that switch are engaged.
     """
     if not isinstance(motion, RunResult):
         return []
@@ -226,7 +269,7 @@ def curve(samples: np.ndarray, t: np.ndarray, panel: Panel) -> Curve:
         return Akima1DInterpolator(samples, values)(t) if smooth else np.interp(t, samples, values)
 
     lines = [(name, read(values)) for name, values in panel.lines]
-    return Curve(label, panel.unit.strip("[]"), lines)
+    return Curve(label, panel.unit.strip("[]"), lines, panel.size)
 
 
 def every_reaction(solution: RunResult, samples: np.ndarray) -> list[Reaction]:

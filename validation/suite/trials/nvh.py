@@ -66,7 +66,7 @@ def trials(quick: bool) -> list[Trial]:
         ("bounce_pitch", "bounce and pitch on two pairs of mounts", checks.bounce_and_pitch),
         ("sway_roll_yaw", "three coupled degrees of freedom on four mounts", checks.three_coupled),
         ("gyroscopic", "a spinning crank couples pitch and yaw", partial(checks.spinning_rotor, 400.0)),
-        ("shafts", "balance shafts fitted wrongly", shafts),
+        ("shafts", "balance shafts with assembly errors", shafts),
         ("skyhook", "a skyhook with a slow actuator", skyhook.one_body),
         ("active", "feed-forward on the second order, sample by sample", controlled),
         ("plate", "a shell that is a free plate", cabin_checks.free_plate),

@@ -1,30 +1,29 @@
 """Laws of contacts and tyres from their definitions, the tyre by the bristles of `validation.theory.free_wheel`."""
 
 from dataclasses import fields
+from typing import Any, cast
 
 import numpy as np
 
-from mbsd3d import Contact, Tyre
-from mbsd3d.extend import cross, perpendiculars
+from mbsd3d import Contact, Tyre, shapes
+from mbsd3d.extend import cross, perpendiculars, skew
 from validation.theory.free_wheel import Rubber, contact_point, tread
 from validation.twins.base import Array
 from validation.twins.laws.moving import Law, Moving, Push, deepest, follow
 
 
 def contact_law(contact: Contact, what: str) -> Law:
-    """Return the law of the lowest point of a rounded ellipsoid: normal force, friction, rolling and spinning
-    resistance.
+    """Return the law of a rounded ellipsoid on a plane, or of a sphere on a sphere or capsule: normal force, friction,
+    rolling and spinning resistance.
     """
-    form, (at, normal) = contact.outline, contact.plane
+    form = contact.outline
     sizes = (contact.friction, contact.rolling, contact.spinning)
 
     def push(t: float, a: Moving, b: Moving, z: Array, x: float) -> Push:
-        n = a.axis(normal)
-        first = a.axis(perpendiculars(normal)[0])
+        n, first, point, depth = (over_plane if contact.other is None else over_bar)(contact, a, b)
         along = np.array([first, cross(n, first)])
-        point = deepest(b, form, n)
         V, turn = b.velocity(point) - a.velocity(point), b.omega - a.omega
-        depth, rate = -n @ (point - a.point(at)), -n @ V
+        rate = -n @ V
         N = 0.0
         if depth > 0.0:
             elastic = contact.stiffness * depth**contact.exponent
@@ -35,6 +34,34 @@ def contact_law(contact: Contact, what: str) -> Law:
         return Push(N * n - friction @ along, point, -(roll @ along + spin * n), rates)
 
     return Law(contact.a, contact.b, push)
+
+
+def over_plane(contact: Contact, a: Moving, b: Moving) -> tuple[Array, Array, Array, float]:
+    """Return (normal, first axis of the plane, point of contact, depth) of a surface over a plane."""
+    at, normal = contact.plane
+    n = a.axis(normal)
+    point = deepest(b, contact.outline, n)
+    return n, a.axis(perpendiculars(normal)[0]), point, float(-n @ (point - a.point(at)))
+
+
+def over_bar(contact: Contact, a: Moving, b: Moving) -> tuple[Array, Array, Array, float]:
+    """Return the same of a sphere over a sphere or capsule: from the nearest of the ends and the foot on the line.
+
+    The first axis is turned from that of the element by the rotation that takes its normal to the present one.
+    """
+    record, radius, form = contact.record(), contact.outline.size, cast(Any, contact.other)
+    half = 0.5 * form.length if isinstance(form, shapes.Capsule) else 0.0
+    middle, centre = a.point(record.points[0]), b.point(record.points[1])
+    axis, _, normal = (a.axis(x) for x in record.frame.T)
+    foot = float(axis @ (centre - middle))
+    feet = [middle + s * axis for s in (-half, half, *([foot] if abs(foot) < half else []))]
+    line = min((centre - x for x in feet), key=lambda x: float(x @ x))
+    distance = float(np.linalg.norm(line))
+    n = line / distance
+    K = skew(cross(normal, n))
+    turn = np.eye(3) + K + K @ K / (1.0 + normal @ n)
+    low, high = distance - radius, form.radius  # along n from the axis: where both surfaces are
+    return n, turn @ axis, centre - line + 0.5 * (low + high) * n, high - low
 
 
 def resistance(

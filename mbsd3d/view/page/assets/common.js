@@ -5,7 +5,7 @@ const data = JSON.parse($("data").textContent);
 const ICONS = {
   play: "M3 1.5v13l11-6.5z", pause: "M3 2h4v12H3zM9 2h4v12H9z", back: "M2 2h3v12H2zM14 2v12L6 8z", forth: "M11 2h3v12h-3zM2 2v12l8-6z",
 };
-const shown = {};
+const shown = {}, stale = new Set(); // layers that are switched on; those that do not belong to the motion on the screen
 let dirty = true, scene = null, share = 38;
 
 const icon = (button, name) => (button.innerHTML = `<svg viewBox="0 0 16 16" aria-hidden="true"><path d="${ICONS[name]}"/></svg>`);
@@ -19,7 +19,8 @@ function speedText(x) {
 function makeSwitch(name, on, mark, act) {
   const tick = element("input", {type: "checkbox", checked: on});
   tick.addEventListener("change", () => act(tick.checked));
-  $("switches").querySelector("fieldset").append(element("label", {}, tick, ...(mark ? [mark] : []), name));
+  const label = element("label", {}, tick, ...(mark ? [mark] : []), name);
+  (label.dataset.layer = name), $("switches").querySelector("fieldset").append(label);
   return tick;
 }
 
@@ -38,7 +39,7 @@ function makeSwitches() {
     shown[layer.name] = layer.shown;
     makeSwitch(layer.name, layer.shown, layer.heads ? arrowMark(layer) : null, (on) => {
       (shown[layer.name] = on), (dirty = true);
-      scene?.show(layer.nodes, on);
+      scene?.show(layer.nodes, on && !stale.has(layer.name));
       if (on && layer.inner && !asked) asked = through.checked || (through.click(), true);
       makeLegend();
     });
@@ -47,9 +48,9 @@ function makeSwitches() {
 }
 
 function makeLegend() {
-  const rows = data.arrows.filter((kind) => shown[kind.kind]).map((kind) => {
+  const rows = data.arrows.filter(({kind}) => shown[kind] && !stale.has(kind)).map((kind) => {
     const pale = kind.uncertain ? "; pale: not determined by the joints" : "";
-    return element("p", {}, arrowMark(kind), `${kind.kind}, longest arrow: ${valueText(kind.longest)} ${kind.unit}${pale}`);
+    return element("p", {}, arrowMark(kind), `${kind.kind}${kind.unit && `, longest arrow: ${valueText(kind.longest)} ${kind.unit}`}${pale}`);
   });
   if (shown["ground grid"]) rows.push(element("p", {textContent: `grid ${data.grid}`}));
   $("legend").replaceChildren(...rows);

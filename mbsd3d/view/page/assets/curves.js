@@ -1,5 +1,6 @@
 // Curves over time beside the scene: axes, ticks, units, a cursor with its values; dragging on one scrubs.
 
+const RAISED = {"-": "\u207b", ...Object.fromEntries([..."\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"].map((c, i) => [i, c]))};
 const DASHES = [[], [7, 3], [2, 2.5], [8, 3, 2, 3]];
 
 function element(tag, properties = {}, ...children) {
@@ -17,13 +18,23 @@ function ticks(low, high, count) {
   return found.length > 1 || count > 9 ? {found, step} : ticks(low, high, count + 1);
 }
 
+// A printed number as it is set: a true minus, its power of ten raised, groups of three digits where there are five.
+function numeral(text) {
+  const [mantissa, power] = text.split("e"), [whole, rest] = mantissa.split(".");
+  const grouped = whole.length - whole.startsWith("-") > 4 ? whole.replace(/\B(?=(\d{3})+$)/g, "\u202f") : whole;
+  const raised = power && [...String(Number(power))].map((c) => RAISED[c]).join("");
+  const printed = rest === undefined ? grouped : `${grouped}.${rest}`;
+  const factor = {1: "", "-1": "-"}[mantissa] ?? `${printed} \u00b7 `;
+  return (raised ? `${factor}10${raised}` : printed).replace("-", "\u2212");
+}
+
 // As many digits as the step needs; powers of ten only for long numbers that they make shorter.
 function tickText(value, step) {
   if (Math.abs(value) < 1e-9 * step) return "0";
   const decade = (x) => Math.floor(Math.log10(Math.abs(x)) + 1e-9);
   const plain = value.toFixed(Math.min(Math.max(0, -decade(step)), 100));
   const power = value.toExponential(Math.max(0, decade(value) - decade(step)));
-  return (plain.length < 8 || plain.length <= power.length ? plain : power).replaceAll("-", "\u2212");
+  return numeral(plain.length < 8 || plain.length <= power.length ? plain : power);
 }
 
 // Four digits; what is rounding in the scale of its picture is zero.
@@ -31,8 +42,8 @@ function valueText(value, scale = 0) {
   if (!Number.isFinite(value)) return "\u2013";
   const size = Math.abs(value) <= 1e-9 * scale ? 0 : Math.abs(value);
   if (size === 0) return "0";
-  const text = size >= 1e-3 && size < 1e6 ? Number(value.toPrecision(4)).toString() : value.toExponential(3);
-  return text.replaceAll("-", "\u2212");
+  const rounded = Number(value.toPrecision(4)); // no zeros at the end: 10^-3, not 1.000 10^-3
+  return numeral(size >= 1e-3 && size < 1e6 ? rounded.toString() : rounded.toExponential());
 }
 
 const BOX = {left: 56, right: 12, top: 6, bottom: 20}; // room for numbers around a plot; on the left at least
@@ -102,8 +113,9 @@ function makeAxes(width, height, low, high, first, last) {
   return {x, y, left, draw};
 }
 
-// `scale`: largest value of this unit on the page; what is 1e-9 of it is rounding and not blown up.
-function makeCurve(curve, lines, times, colours, scale, seek) {
+// `scale`: what this unit amounts to on the page and in the run; what is 1e-9 of it is rounding and not blown up.
+// `index`: its place among the curves of the page.
+function makeCurve(curve, lines, times, colours, scale, seek, index) {
   const {figure, canvas, values, stroke, marks} = makeFigure(curve.label, curve.unit, curve.lines.map((line) => line.name), colours, "; drag to scrub");
   let low = Infinity, high = -Infinity;
   for (const v of lines.flatMap((line) => Array.from(line.values))) {
@@ -115,7 +127,8 @@ function makeCurve(curve, lines, times, colours, scale, seek) {
   (low -= air), (high += air);
   const first = times.first, last = times.first + times.step * (times.count - 1);
   const drawn = element("canvas"); // axes and lines, onto which cursor and values come
-  let axes = null; // null = to be drawn anew
+  let axes = null, lit = -1; // null = to be drawn anew; line that stands out, -1 = all alike, -2 = none
+  figure.dataset.curve = index;
 
   function background() {
     const width = canvas.clientWidth, height = canvas.clientHeight, g = sharp(drawn, width, height);
@@ -123,7 +136,8 @@ function makeCurve(curve, lines, times, colours, scale, seek) {
     axes = makeAxes(width, height, low, high, first, last);
     axes.draw(g);
     lines.forEach((line, i) => {
-      stroke(g, i, 1.75);
+      stroke(g, i, lit === i ? 4 : 1.75);
+      g.globalAlpha = lit === -1 || lit === i ? 1 : 0.25;
       g.beginPath();
       let pen = false;
       line.values.forEach((v, k) => {
@@ -132,6 +146,7 @@ function makeCurve(curve, lines, times, colours, scale, seek) {
       });
       g.stroke();
     });
+    g.globalAlpha = 1;
     marks();
   }
 
@@ -158,5 +173,7 @@ function makeCurve(curve, lines, times, colours, scale, seek) {
   };
   canvas.addEventListener("pointerdown", (event) => (canvas.setPointerCapture(event.pointerId), pick(event)));
   canvas.addEventListener("pointermove", (event) => event.buttons & 1 && pick(event));
-  return {figure, draw, resize: () => (axes = null)};
+  const at = (place) => lines.map((line) => rowAt(line, place)[0]);
+  const light = (line) => line !== lit && ((lit = line), (axes = null));
+  return {figure, draw, at, light, index, resize: () => (axes = null)};
 }

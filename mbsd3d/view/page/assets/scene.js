@@ -35,10 +35,22 @@ function makeScene(data, arrays) {
     tell("SceneNodeUpdateMessage", name, {updates});
   }
 
-  function moveLinks({node, ends, radii, rest}, r, e) {
+  // Ends of the tangent of two circles about `start` and `end` (`Link.placed` of mbsd3d/view/scene/drawing.py).
+  function tangent(start, end, [body, axis, first, second], r, e) {
+    const o = pointOf(r, e, body, [0, 0, 0]), n = pointOf(r, e, body, axis).map((x, k) => x - o[k]);
+    const gap = end.map((x, k) => x - start[k]), off = n.reduce((sum, x, k) => sum + x * gap[k], 0);
+    const flat = gap.map((x, k) => x - off * n[k]), d = Math.hypot(...flat);
+    const sine = Math.min(Math.max((first - second) / d, -1), 1), cosine = Math.sqrt(1 - sine * sine);
+    const across = cross(n, flat);
+    const side = flat.map((f, k) => (sine * f - cosine * across[k]) / d);
+    return [start.map((x, k) => x + first * side[k]), end.map((x, k) => x + second * side[k])];
+  }
+
+  function moveLinks({node, ends, rounds, radii, rest}, r, e) {
     const starts = new Float64Array(3 * ends.length), vectors = new Float64Array(starts.length);
     ends.forEach(([[a, p], [b, q]], i) => {
-      const start = pointOf(r, e, a, p), end = pointOf(r, e, b, q);
+      let start = pointOf(r, e, a, p), end = pointOf(r, e, b, q);
+      if (rounds[i]) [start, end] = tangent(start, end, rounds[i], r, e);
       for (let k = 0; k < 3; k++) (starts[3 * i + k] = start[k]), (vectors[3 * i + k] = end[k] - start[k]);
     });
     lay(node, starts, vectors, 1, radii, rest);
@@ -53,16 +65,39 @@ function makeScene(data, arrays) {
     }
   }
 
+  // Other paths of the traces, each a list of points.
+  function retrace(paths) {
+    const shapes = {};
+    data.traces.forEach((name, i) => {
+      const points = (paths[i] ?? []).slice(1).flatMap((point, k) => [...paths[i][k], ...point]).map((x) => x * data.scale);
+      if (points.length) for (const node of [name, name.replace("/passed", "/path")]) shapes[node] = {points};
+    });
+    if (viewer) reshape(shapes);
+  }
+
+  // Pale bodies of another motion, known up to some frame.
+  let pale = null, paleCount = 0, paleShown = false;
+  const ghost = (made, count) => ((pale = made), (paleCount = count));
+  function moveGhost(place) {
+    const on = pale !== null && place <= paleCount - 1;
+    if (on !== paleShown) for (const i of moving) tell("SetSceneNodeVisibilityMessage", `/ghosts/${i}`, {visible: on});
+    paleShown = on;
+    if (on) moveBodies("/ghosts", rowAt(pale.r, place), quaternionsAt(pale.e, place));
+  }
+
   // True if the client took the last messages, so that slow machines are not flooded.
   const idle = () => viewer !== null && viewer.messageQueue.length === 0;
 
   // Bodies, links and camera to a pose.
-  function put(r, e) {
+  function moveBodies(kind, r, e) {
     for (const i of moving) {
-      const name = `/bodies/${i}`;
+      const name = `${kind}/${i}`;
       tell("SetPositionMessage", name, {position: Array.from(r.subarray(3 * i, 3 * i + 3), (x) => x * data.scale)});
       tell("SetOrientationMessage", name, {wxyz: Array.from(e.subarray(4 * i, 4 * i + 4))});
     }
+  }
+  function put(r, e) {
+    moveBodies("/bodies", r, e);
     for (const links of data.links) moveLinks(links, r, e);
     if (followed >= 0) goAlong(r, e);
     viewer.requestRender();
@@ -75,7 +110,7 @@ function makeScene(data, arrays) {
       const {points, vectors} = arrays.arrows[i];
       if (shown[kind.kind]) lay(kind.node, rowAt(points, place), rowAt(vectors, place), kind.factor);
     });
-    growTraces(place);
+    growTraces(place), moveGhost(place);
   }
 
   // The camera is shifted by what the followed body has moved, and turned by what it has if asked to.
@@ -101,6 +136,12 @@ function makeScene(data, arrays) {
     const frame = viewer.nodeRefFromName["/bodies"] ?? viewer.nodeRefFromName[""];
     const place = Array.from(r.subarray(3 * followed, 3 * followed + 3), (x) => x * data.scale);
     return frame.localToWorld(viewer.camera.position.clone().fromArray(place));
+  }
+
+  // The ground grid goes along, by whole squares, with a place (x, y); its own one is at (0, 0).
+  function carryGround([x, y], {ground, cell}) {
+    const whole = [x, y].map((v, k) => ground[k] + cell * Math.round(v / cell));
+    tell("SetPositionMessage", "/grid", {position: [...whole, ground[2]].map((v) => v * data.scale)});
   }
 
   const follow = (body) => ((followed = body), (seen = null));
@@ -146,5 +187,5 @@ function makeScene(data, arrays) {
     viewer.requestRender();
   }
 
-  return {ready, put, move, idle, show, seeThrough, darken, follow, turnAlong, reshape, resetCamera};
+  return {ready, put, carryGround, move, idle, show, seeThrough, darken, follow, turnAlong, reshape, retrace, ghost, resetCamera};
 }

@@ -9,7 +9,7 @@ const pressed = new Map(); // key -> what its release does
 let socket = null, frame = null, last = null, drawn = null, state = {running: true, pace: 1}, told = "", strips = [], shapes = "{}", ride = null, drew = 0;
 
 const tell = (message) => socket?.readyState === WebSocket.OPEN && socket.send(JSON.stringify(message));
-const numberText = (x) => Number(x.toPrecision(3)).toString().replace("-", "\u2212");
+const numberText = (x) => numeral(Number(x.toPrecision(3)).toString());
 const keyText = (key) => ({ArrowLeft: "\u2190", ArrowRight: "\u2192", ArrowUp: "\u2191", ArrowDown: "\u2193"})[key] ?? key.toUpperCase();
 
 // One slider. Pressed keys hold an end of the range; a slider with a spring goes back when it is let go.
@@ -21,6 +21,7 @@ function makeControl(control) {
   const keys = control.keys.map((pair) => pair.map(keyText).join(" ")).join(", ");
   const head = element("span", {}, element("b", {textContent: name}), value, unit ? ` ${unit}` : "");
   const row = element("label", {className: "control"}, head, ...(keys ? [element("kbd", {textContent: keys})] : []), slider, marks);
+  if (control.hint) row.append(element("small", {textContent: control.hint}));
   slider.setAttribute("aria-label", unit ? `${name} in ${unit}` : name);
   slider.title = control.springs ? "goes back when it is let go" : "double click: back to its value at the start";
   const send = () => ((taken = true), tell({[control.springs ? "hold" : "set"]: name, to: slider.valueAsNumber}));

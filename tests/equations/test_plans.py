@@ -2,16 +2,17 @@
 
 import numpy as np
 import pytest
+from helpers.study_models import four_bar
 
-from mbsd3d import GROUND, Body, Joint, Kinematic, Revolute, System, simulate
-from mbsd3d.equations import row_tables, tree
+from mbsd3d import GROUND, Body, Joint, Kinematic, Revolute, Spherical, SpringDamper, System, simulate, sweep
+from mbsd3d.equations import plans, tree
 from mbsd3d.errors import InputError
 from mbsd3d.mechanism.primitives import coincide
 from validation.cases.examples import mechanism
 from validation.cases.inline_four import CRANK_RATE, block_force, inline_four
 from validation.cases.loops import FAMILIES
 
-PLANS = [row_tables.row_plan, row_tables.places]
+PLANS = [plans.plan_of]
 PLANS += [tree.spanning_tree, tree.loop_plan, tree.planned_tables]
 ROUNDING = 4e-16  # of the largest term of R'(p - r)
 
@@ -52,7 +53,7 @@ def test_mechanisms_alike_share_a_plan_and_no_number(name):
     tables = as_bytes(before.lowered.model)
     assert numbers(build, 2) == alone
     assert as_bytes(before.lowered.model) == tables
-    assert row_tables.row_plan.cache_info().misses == 1
+    assert plans.plan_of.cache_info().misses == 1
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -77,7 +78,7 @@ def test_tables_hold_each_vector_in_the_axes_of_its_body(seed):
 
 
 class Astray(Joint):
-    """A joint whose rows are no numbers."""
+    """A joint whose rows are not numbers."""
 
     def __init__(self, a, b, at):
         super().__init__()
@@ -97,3 +98,43 @@ def test_rows_that_are_no_numbers_are_refused():
     system = System([rod], [hinge, Astray(GROUND, rod, np.array([0.0, np.nan, 1.0]))])
     with pytest.raises(InputError, match="points of rows: .* is not finite"):
         system.lowered  # noqa: B018  # made when it is asked for
+
+
+def changing(k):
+    """A slider whose structure depends on k: with a spring or without, of three or of five joints."""
+    one = Body("one", 1.0 + 0.1 * k, (0.1, 0.2, 0.15), com=(0.05, 0.02, -0.1), position=(0.3, 0.1, 0.2))
+    hinge = Revolute(GROUND, one, at=(0.1, 0.0, 0.3), axis=(1.0, 2.0, 0.1 * k))
+    if k % 3 == 1:
+        return System([one], [hinge])
+    spring = SpringDamper(GROUND, one, at_a=(0, 0, 1), at_b=(0.3, 0.1, 0.1 + 0.01 * k), stiffness=30.0 + k)
+    if k % 3 == 2:
+        return System([one], [hinge], [spring])
+    other = Body("other", 0.7, (0.1, 0.1, 0.2), position=(0.9, 0.2, 0.1))
+    return System([one, other], [hinge, Spherical(one, other, at=(0.5, 0.1, 0.2 + 0.01 * k))], [spring])
+
+
+def last(solution):
+    return {"q": solution.final.q[:7]}
+
+
+@pytest.mark.parametrize("executor", ["threads", "processes"])
+def test_structures_may_change_within_a_sweep_and_cells_may_fail(executor):
+    run = {"t_end": 0.1, "rtol": 1e-6, "output": 2}
+    table = sweep(failing, {"k": np.arange(8)}, last, run=run, executor=executor)
+    assert [bool(text) for text in table["error"].values] == [k == 5 for k in range(8)]
+    for k in (0, 1, 2, 3, 4, 6, 7):
+        forget()
+        alone = simulate(changing(k), progress=False, **run)
+        assert (table["q"].values[k] == alone.final.q[:7]).all()
+
+
+def failing(k):
+    return changing(k) if k != 5 else System([Body("none", -1.0, (1, 1, 1))])
+
+
+def test_velocities_of_redundant_loops_are_those_of_the_dense_equations():
+    """Four hinges in a plane, of which three rows repeat others; with a rate asked for the start is solved densely."""
+    system = four_bar(0.4, 1.0, 0.8, 0.5, 0.2, 2.3)
+    rate = 2.3 - 1.1
+    found, dense = system.state(), system.assemble(rates={"drive": rate})
+    np.testing.assert_allclose(found.v, dense.v, rtol=0, atol=1e-13 * rate)  # both solve to rounding

@@ -1,0 +1,3 @@
+"""Machines as they are built."""
+
+PLACE = 8

@@ -1,0 +1,1 @@
+"""Pages that solve: tables of a mechanism as texts for the page, and how they depend on parameters."""
