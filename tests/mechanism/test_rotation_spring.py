@@ -34,8 +34,9 @@ def test_the_moment_is_the_rotation_vector(angle):
     spring = RotationSpring(carrier, head, stiffness=5.0, name="spring")
     system = System([carrier, head], [hinge], [spring], gravity=(0, 0, 0))
     load = accelerations(system, system.assemble(angles={hinge: angle}, pinned=[carrier])).force("spring")
-    assert np.allclose(load.moment[0], -5.0 * angle * n, rtol=1e-12, atol=1e-22 + 5e-16)
-    assert np.isclose(load.stored[0], 2.5 * angle**2, rtol=1e-7, atol=0 if angle < 1e-8 else 1e-11)
+    rounding = 2 * 4 * 1.1e-16  # of the angle: twice its half, of a product of four quaternions of length 1
+    assert np.allclose(load.moment[0], -5.0 * angle * n, rtol=1e-12, atol=5.0 * rounding)
+    assert np.isclose(load.stored[0], 2.5 * angle**2, rtol=1e-12, atol=5.0 * angle * rounding)
 
 
 def test_an_isotropic_head_swings_as_a_sine():
