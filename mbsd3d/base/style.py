@@ -32,6 +32,7 @@ class Theme:
     paper: str
     ink: str  # text, axes
     muted: str  # what stands back: auxiliary lines, notes
+    link: str  # text that leads elsewhere, as readable as ink
     grid: str
     lines: tuple[str, ...]  # of the data, in their order
     good: str  # tints of cells and areas under text
@@ -47,6 +48,7 @@ LIGHT = Theme(
     paper="#ffffff",
     ink="#1a1a1a",
     muted="#707070",
+    link="#0072B2",
     grid="#d9d9d9",
     lines=("#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7"),
     good="#CFE5F2",
@@ -57,6 +59,7 @@ DARK = Theme(
     paper="#15181c",
     ink="#e8e8e8",
     muted="#9aa0a6",
+    link="#62AEEA",
     grid="#363b41",
     lines=("#2B7FC4", "#DE6A1E", "#17A67C", "#F5C04A", "#8ED3FC", "#DD92BC"),
     good="#1d3d52",
