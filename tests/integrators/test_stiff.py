@@ -77,7 +77,8 @@ def test_adaptive_steps_leave_the_stiff_scale_behind():
     assert np.abs(run.position("load") - exact.position("load")).max() < 1e2 * 1e-5 * run.compiled.model.length
 
 
-@pytest.mark.parametrize("rtol", [1e-3, 1e-8])
+# From 1e-8 on the rounding of a force of 1e8 N/m may hold the steps shorter than stability does, and the run goes on.
+@pytest.mark.parametrize("rtol", [1e-3, 1e-7])
 def test_dop853_stops_on_a_stiff_model_and_says_what_to_do(rtol):
     simulate(sensor(), 1e-4, rtol=rtol)  # a stiff run that ends soon goes on
     with pytest.raises(IntegrationError, match="stiff.*'mount'.*GeneralizedAlpha") as error:
