@@ -22,7 +22,7 @@ from .articulated import (
     take_out_of_loops,
 )
 from .compact_joints import ACCELERATIONS, NOTHING, SPEEDS, hold, joint_rows, prescribed, set_multipliers
-from .loop_rows import factor_loops, solve_loops
+from .loop_rows import factor_loops, note_gap, solve_loops
 from .spatial_inertia import along6, dot6, less_outer
 
 
@@ -323,6 +323,8 @@ def go_down(m, d, s, asked, anew):
     closed = s.loop.shape[0] > 0
     if closed:
         ask_loops(m, d, s, asked)
+        if anew == 1:
+            note_gap(m, d, s)
         for i in range(s.compact.shape[0] if anew == 1 else 0):
             start_loops(d, s, s.compact[i])
     for i in range(s.compact.shape[0]):

@@ -18,6 +18,8 @@ PROXIMAL_FACTOR = 1e-8
 WEAK_PIVOT_RATIO = 1e-2  # [1] of its largest value so far: pivot below which the right side is filtered
 # [mu] diagonal of a row that nothing in the tree yields to, as one out of the plane of a planar mechanism
 IDLE_ROW_DIAGONAL_MAX = 1e-4
+# [1] times the square of the gap, as a share of the compliance: the most that a row resists only since c is not 0
+GAPING_ROW_FACTOR = 100.0
 REFINEMENT_STEPS_USUAL = 1  # [steps] of refinement that remove mu from the solution
 REFINEMENT_STEPS_MAX = 40  # [steps] near a singular pose or where rows have small pivots
 SWEEP_CONVERGENCE = 1e-15  # [1] of the right side: change of the residual that ends the refinement
@@ -42,6 +44,15 @@ def assemble_loops(s):
                 share = s.entry[e].e[k] * link.inverse[k]
                 for f in range(first, e + 1):
                     S[line + s.entry[f].place] += share * s.entry[f].e[k]
+
+
+@inner_kernel
+def note_gap(m, d, s):
+    """Record how far the loop rows are off c = 0 where they are factored: in a stage of a step they may be."""
+    s.state.gap = 0.0
+    for i in range(s.loop.shape[0]):
+        k = s.loop[i].row
+        s.state.gap = max(s.state.gap, abs(d.row[k].c.real) * m.row[k].scale)
 
 
 @inner_kernel
@@ -90,7 +101,8 @@ def pivot_of(s, i):
     L, row = s.skyline[1], s.loop[i]
     at = s.loop[row.at]
     diagonal, place = s.skyline[0][at.line + row.at].real, row.line + i
-    if diagonal < IDLE_ROW_DIAGONAL_MAX * at.mu:
+    gaping = at.idle * GAPING_ROW_FACTOR / PROXIMAL_FACTOR * s.state.gap**2
+    if diagonal < max(IDLE_ROW_DIAGONAL_MAX, gaping) * at.mu:
         L[place] *= 0.0  # so its multiplier is zero, and it is not seen by the rows after it
         return 0.0
     pivot, floor = L[place] + at.mu, at.mu + PIVOT_ROUNDING * diagonal

@@ -107,6 +107,7 @@ def note_independence(s):
     for i in range(s.loop.shape[0]):
         row = s.loop[i]
         row.most = max(row.most, row.pivot)
+        s.loop[row.at].idle = 1 if row.pivot == 0.0 else 0
         independent += row.pivot > REDUNDANT_PIVOT_MAX
         if 0.0 < row.pivot < SINGLE_SWEEP_PIVOT_MIN and resists(s, i):
             s.state.soft = 1

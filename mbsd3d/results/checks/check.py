@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...integrators.step_control import NEAR_SINGULAR_SHARE
+from ...mechanism.forces.custom import SavedForce
+from ..element_loads import load_of
 from ..record import Record
 from ..result import RunResult
 
@@ -18,6 +20,9 @@ PASSED, GAP_LIMIT_MIN, MAY_TEAR, MAY_MISS = 1e-4, 1e-10, 1e-8, 1e-5
 ROUNDED, MOST_ROUNDED, REGULAR = 3e-12, 5e-7, 1e-9
 UNITS = 4.0  # of the last place of numbers, times the root of the steps: what rounding leaves of their difference
 LOCAL = 10.0  # times rtol a step: a hundred times what it may err
+# [1] of a speed that all share and of forces in balance: no motion below it is told from their rounding, which stays
+# below 1e-8 of it; and of the model's length: accelerations that move nothing as far in a run are those of rest
+UNSEEN_SHARE, UNMOVED_SHARE = 1e-5, 1e-6
 
 
 @dataclass(frozen=True)
@@ -65,6 +70,7 @@ class Scales:
 
     rate: float  # 1/s
     acceleration: float
+    least: float  # m/s^2, of gravity, of spins, of what is in balance: not of light bodies that rounding moves
     force: float
     moment: float
     momentum: float
@@ -75,33 +81,46 @@ class Scales:
 
 
 def scales_of(solution: RunResult) -> Scales:
-    """Return sizes from the run itself, with floors from gravity, so that a mechanism at rest has scales too.
+    """Return sizes from the run itself, with floors from gravity, forces in balance and the speed that all share.
 
-    A piece between two events has the scales of the whole run.
+    So a mechanism at rest has scales too. A piece between two events has the scales of the whole run.
     """
     if "scales" in solution.derived:
         return solution.derived["scales"]
     arrays, system, length = solution.arrays, solution.system, solution.compiled.model.length
     about, spin, g = solution.about_centre, longest(arrays["v"][..., 3:]), float(np.linalg.norm(system.gravity))
-    speed = max(about.fastest, length * spin, solution.record.speed)  # samples may all be of a machine at rest
-    a = max(longest(arrays["acceleration"][..., :3]), g, length * spin * spin) or 1.0
-    mass = system.total_mass() or 1.0
+    carried = longest(arrays["v"][..., :3]) + length * spin
+    unseen = UNSEEN_SHARE * carried
+    speed = max(about.fastest, length * spin, solution.record.speed, unseen)  # samples may all be of a machine at rest
+    mass, span = system.total_mass() or 1.0, float(solution.t[-1] - solution.start.t) if solution.t.size else 0.0
+    moved, least = longest(arrays["acceleration"][..., :3]), max(g, length * spin * spin)
+    if max(moved, least) * span**2 < UNMOVED_SHARE * length:
+        least = max(least, UNSEEN_SHARE * largest_force(solution) / mass, unseen * unseen / length)
+    a = max(moved, least) or 1.0
     momentum = mass * max(speed, 1e-3 * np.sqrt(a * length))
     speed = max(speed, np.sqrt(1e-3 * a * length))
-    stored = (
-        float(np.ptp(arrays["potential"].sum(axis=1))) if solution.t.size else 0.0
-    )  # of springs: stiff ones hold more
+    # of springs: stiff ones hold more
+    stored = float(np.ptp(arrays["potential"].sum(axis=1))) if solution.t.size else 0.0
     return Scales(
         rate=speed / length,
         acceleration=a,
+        least=least,
         force=mass * a,
         moment=mass * a * length,
         momentum=momentum,
         angular_momentum=momentum * (length + about.farthest),
         energy=max(mass * speed * speed, stored),
         reach=longest(arrays["q"][..., :3]) + length,
-        speed=longest(arrays["v"][..., :3]) + length * spin,
+        speed=carried,
     )
+
+
+def largest_force(solution: RunResult) -> float:
+    """Return the largest force of a force element at a sample [N]; a moment counts at the model's length."""
+    known = [force for force in solution.system.forces if not isinstance(force, SavedForce)]
+    loads = [load_of(solution, force) for force in known]
+    length = solution.compiled.model.length
+    return max((max(longest(load.force), longest(load.moment) / length) for load in loads), default=0.0)
 
 
 def largest(values: np.ndarray) -> float:

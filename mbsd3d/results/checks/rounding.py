@@ -52,13 +52,11 @@ def units_of(solution: RunResult) -> np.ndarray:
     accelerates a body: not accelerations, which of light bodies may be rounding.
     """
     model, arrays = solution.compiled.model, solution.arrays
-    a = scales_of(solution).acceleration
+    a, least, metres = scales_of(solution).acceleration, scales_of(solution).least, model.row["metres"] == 1
     alpha = max(longest(arrays["acceleration"][..., 3:]), a / model.length)
-    metres, spin = model.row["metres"] == 1, longest(arrays["v"][..., 3:])
-    pull = max(float(np.linalg.norm(model.gravity)), model.length * spin * spin)
     most = np.abs(arrays["lam"]).max(axis=0, initial=0.0)
     moved = max(b.mass * longest(solution.acceleration(b)) for b in solution.system.bodies)
-    force = max(largest(most[metres]), solution.system.total_mass() * pull, moved) or 1.0
+    force = max(largest(most[metres]), solution.system.total_mass() * least, moved) or 1.0
     moment = max(largest(most[~metres]), force * model.length)
     return np.concatenate([[a, alpha], np.where(metres, force, moment)])
 
