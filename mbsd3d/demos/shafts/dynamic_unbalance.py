@@ -77,7 +77,7 @@ demo = Demo(
     },  # fmt: skip
     ranges={"A": (0.28, 0.34), "C": (0.43, 0.55)},  # C < 2 A, as of any body,
     sliders=(
-        Control("tilt_deg", 0.0, 45.0, "deg", "tilt of the disc"),
+        Control("tilt_deg", 1.0, 45.0, "deg", "tilt of the disc"),
         Control("omega", 10.0, 60.0, "rad/s", "speed"),
     ),
     attempt="turn it twice as fast: the bearings carry four times as much.",
