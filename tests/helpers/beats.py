@@ -396,7 +396,7 @@ CONDITIONS = {
     "parking": (
         None,
         None,
-        lambda r, i: abs(abs(r.position("car")[i, 1]) - 0.191) < 0.003 and abs(r.position("car")[i, 0]) < 1e-3,
+        lambda r, i: abs(abs(r.position("car")[i, 1]) - 0.75) < 0.005 and abs(r.position("car")[i, 0]) < 1e-3,
     ),
     "steering_linkage": (
         None,
