@@ -182,7 +182,7 @@ def exploration(demo: Demo, outcome: Outcome) -> Exploration | None:
 
     ablation = demo.ablation
     sliders = [
-        Slider(name, low, high, item(values, name), label, unit, log)
+        Slider(name, low, high, item(values, name), label, with_superscripts(unit), log)
         for name, low, high, unit, label, log in starmap(Control, demo.sliders)
     ]
     ghost = None

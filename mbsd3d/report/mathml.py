@@ -1,7 +1,8 @@
 """Formulas in plain text as MathML, which browsers set without a font or a script.
 
 ``A W^2 cos(tilt) - C w_3 W + m g l = 0``: a space multiplies, digits behind a letter and ``_`` lower, ``^`` raises,
-``'``, ``_dot`` and ``_ddot`` are dots, ``x`` is the cross product, ``w`` and ``W`` are omegas, words stand upright.
+``'``, ``_dot`` and ``_ddot`` are dots, ``x`` is the cross product, ``w`` and ``W`` are omegas (not as an
+index), words stand upright.
 ``a b / c d`` divides the whole product by all that follows, ``a/b`` without spaces its neighbours only; formulas with a
 semicolon between them stand below each other. A line may break behind a comma in no bracket, else before such a sign.
 """
@@ -166,7 +167,10 @@ def name(text: str) -> str:
     if dots or late:
         base = f'<mover accent="true">{base}<mo stretchy="false">{DOTS[dots or late]}</mo></mover>'
     index = digits or lowered
-    return f"<msub>{base}<mi>{GREEK.get(index, index)}</mi></msub>" if index else base
+    if not index:
+        return base
+    lowered = index if index in ("w", "W") else GREEK.get(index, index)  # I_w is that of a wheel
+    return f"<msub>{base}<mi>{lowered}</mi></msub>"
 
 
 def sign(text: str) -> str:

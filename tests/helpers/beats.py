@@ -296,7 +296,7 @@ CONDITIONS = {
     ),
     "dynamic_unbalance": (
         lambda r, i: np.linalg.norm(np.cross(momentum(r, r.system.bodies[0].name, i), (0, 0, 1))) > 0.1,
-        lambda r, i: abs(np.linalg.norm(r.reaction("upper bearing").force[i]) - 628) < 1,
+        lambda r, i: abs(np.linalg.norm(r.reaction("upper bearing").force[i]) - 90) < 1,
         lambda r, i: np.dot(r.reaction("upper bearing").force[i], r.reaction("upper bearing").force[0]) < 0,
     ),
     "swash_plate": (
@@ -396,7 +396,7 @@ CONDITIONS = {
     "parking": (
         None,
         None,
-        lambda r, i: abs(abs(r.position("car")[i, 1]) - 0.191) < 0.003 and abs(r.position("car")[i, 0]) < 1e-3,
+        lambda r, i: abs(abs(r.position("car")[i, 1]) - 0.75) < 0.005 and abs(r.position("car")[i, 0]) < 1e-3,
     ),
     "steering_linkage": (
         None,
@@ -411,7 +411,7 @@ CONDITIONS = {
     ),
     "tyre_slip": (
         None,
-        None,
+        lambda r, i: abs(r.force("tyre 0").lateral[i] - 484) < 1 and abs(r.force("tyre 3").lateral[i] - 59) < 1,
     ),
     "wheel_drop": (
         None,

@@ -82,7 +82,7 @@ demo = Demo(
     },
     ablation=Ablation("curve", "straight on all turns as one piece", {"left": 40.0}),
     against=Against("left", 0.0, 80.0, "rate of the left wheel [rad/s]"),
-    show={"curves": [("omega", "left wheel"), ("omega", "right wheel")], "traces": [], "speed": 0.05},
+    show={"curves": [("rate", "left"), ("rate", "right")], "traces": [], "speed": 0.05},
     ranges={"R": (0.04, 0.06), "r": (0.02, 0.035)},
     sliders=(
         Control("left", -40.0, 90.0, "rad/s", "left wheel"),

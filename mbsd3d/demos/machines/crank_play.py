@@ -124,9 +124,10 @@ demo = Demo(
     "its pin, and it flies on through the play while the pin slows down. It is caught by the other side with the "
     "difference of both speeds. That difference grows with the square of the time of flight and the way with its cube, "
     "so eight times the play knocks four times as fast.",
-    equation="x_ddot = 0: it lets go; x - x_0 - v_0 t = play: it knocks; v about (9 j play^2/2)^(1/3)",
+    equation="s_ddot = 0: it lets go; s - s_0 - v_0 t = play: it knocks; v about (9 j play^2/2)^(1/3)",
     symbols={
-        "x_0": Symbol("where it was let go", "m"),
+        "s": Symbol("where the pin is", "m"),
+        "s_0": Symbol("where it was let go", "m"),
         "v_0": Symbol("speed there", "m/s"),
         "v": Symbol("speed of the knock", "m/s"),
         "t": Symbol("time of the flight", "s"),
@@ -143,7 +144,7 @@ demo = Demo(
     alone="other engines have no stops that strike at events",
     ablation=Ablation("play", "the pin fits, and nothing knocks that one could hear", {"play": 2e-5}),
     against=Against("play", 2e-4, 0.012, "play [m]"),
-    show={"curves": [("velocity", "piston"), ("rate", "bore")], "traces": [], "view": (-90, 60),
+    show={"curves": [("rate", "bore")], "traces": [], "view": (-90, 60),
           "hidden": ["joints", "joint names", "body names"]},
     ranges={"play": (0.004, 0.01)},
 )  # fmt: skip

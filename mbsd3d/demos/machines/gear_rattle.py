@@ -83,7 +83,8 @@ def theory(*, swing, w, play, bounce, J, load):
 def measure(build, terms, *, swing, w, play, bounce, load) -> Measured:
     """Measure the last of many turns, when the motion repeats itself."""
     turn = 2 * np.pi / w
-    run = simulate(build(), TURNS * turn, rtol=1e-11, output=TURNS * PER_TURN + 1, **terms)
+    seen = np.linspace(TURNS - 2, TURNS, 2 * PER_TURN + 1) * turn  # the curves; before them only the start is kept
+    run = simulate(build(), TURNS * turn, rtol=1e-11, output=np.append(0.0, seen), **terms)
     film = simulate(build(), FILMED * turn, rtol=1e-11, output=FILMED * PER_TURN + 1, **terms)
     begins = (TURNS - 1) * turn
     hits = [event for event in run.events if event.t > begins]
@@ -91,7 +92,7 @@ def measure(build, terms, *, swing, w, play, bounce, load) -> Measured:
         "heat_mJ": 1e3 * sum(event.lost for event in hits), "impacts": len(hits),
         "fastest_rad_s": np.abs(run.rate("loose shaft")[run.t > begins]).max(),
     }  # fmt: skip
-    late = run.t >= begins - turn
+    late = slice(1, None)
     turns = run.t[late] / turn - TURNS + 2
     flank = swing * w * np.cos(2 * np.pi * turns)
     known = flank

@@ -103,10 +103,10 @@ demo = Demo(
     "on a flatter one, whatever it weighs. Such a screw holds by itself, and pays for it: less than half of the work "
     "of the hand arrives at the load, since friction takes more on the way up than the weight could give on the way "
     "down.",
-    equation="M = W R tan(lead +- phi); tan(lead) = pitch/(2 pi R); it holds for phi > lead",
+    equation="M = F R tan(lead +- phi); tan(lead) = pitch/(2 pi R); it holds for phi > lead",
     symbols={
         "M": Symbol("moment at the handle", "N m"),
-        "W": Symbol("load", "N", lambda m: 9.81 * m),
+        "F": Symbol("load", "N", lambda m: 9.81 * m),
         "R": Symbol("thread", "m", "R"),
         "phi": Symbol("friction angle", "rad", lambda mu: float(np.arctan(mu))),
     },

@@ -29,7 +29,7 @@ MOTION_SHARE_MIN, SINE_MIN = (
 )  # of the longest way: a shorter one is rounding; sine of two ways that are not the same
 
 
-def mechanism(*, L=2.6, steer_deg=30.0, way=1.5, beats=2) -> System:
+def mechanism(*, L=2.6, steer_deg=40.0, way=2.5, beats=2) -> System:
     """Build a car of wheelbase L [m] that drives way [m] and back in 2 pi s, its front wheels to and fro beats
     times."""
     require(beats in (1, 2), f"demo 'parking': beats = {beats}; give 2 to go sideways, 1 to turn")
@@ -129,7 +129,7 @@ demo = Demo(
     beats=(
         Beat(0.0, "Steered to one side and driven ahead, to the other and back."),
         Beat(share(0.5), "Ahead, and turned."),
-        Beat(share(1.0), "Back where it was, and 19 cm beside."),
+        Beat(share(1.0), "Back where it was, and 75 cm beside."),
     ),
     why="At every moment a car has two degrees of freedom only, driving and steering, and yet no pose is out of its "
     "reach: forbidden velocities are not forbidden places. Drive to and fro while the front wheels go to and fro once, "
@@ -160,7 +160,7 @@ demo = Demo(
     ranges={"beats": None},
     sliders=(
         Control("steer_deg", 5.0, 60.0, "deg", "steering"),
-        Control("way", 0.5, 2.5, "m", "way of a stroke"),
+        Control("way", 0.5, 4.0, "m", "way of a stroke"),
     ),
     theory_moves=False,
     attempt="make the strokes short: the car goes sideways by their square, so short strokes gain little.",

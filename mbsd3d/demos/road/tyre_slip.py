@@ -27,20 +27,31 @@ SLIPS = (
     0.4,
     0.6,
 )  # of those that are driven or braked
+FILMED_SLIPS = (0.0, 0.06, 0.15, 0.6)  # of the few that the film shows
 
 
 def mechanism(
-    *, load=800.0, cornering=12.0, longitudinal=17.0, mu=0.9, trail=0.025, relaxation=0.1, angle=4.0, v=8.0, r=0.32
+    *,
+    load=800.0,
+    cornering=12.0,
+    longitudinal=17.0,
+    mu=0.9,
+    trail=0.025,
+    relaxation=0.1,
+    angle=4.0,
+    v=8.0,
+    r=0.32,
+    few=0,
 ) -> System:
     """Build wheels side by side on carriages at v [m/s], each steered to the left, the last ones by angle [deg], and
-    driven.
+    driven; or a few of these only.
 
     Tyres with a radius r [m] under a load [N]; cornering, longitudinal [1/rad], mu, trail and relaxation [m].
     """
     require(load > 0 and v > 0, "the wheels roll under a load: give load > 0 and v > 0")
     stiffness = load / 0.01  # it sinks by 10 mm
     bodies, joints, forces = [], [], []
-    for k, (degrees, slip) in enumerate(wheels(angle)):
+    for k, (degrees, slip) in enumerate(wheels(angle, few)):
         turn, at = np.radians(degrees), np.array([0.0, -1.5 * r * k, r - 0.01])
         axle, ahead = np.array([-np.sin(turn), np.cos(turn), 0]), np.array([np.cos(turn), np.sin(turn), 0])
         spin = (1 + slip) * v * ahead[0] / at[2]
@@ -59,8 +70,10 @@ def mechanism(
     return System(bodies, joints, forces)
 
 
-def wheels(angle):
-    """Return (steer [deg], slip) of every wheel."""
+def wheels(angle, few=0):
+    """Return (steer [deg], slip) of every wheel, or of a few."""
+    if few:
+        return [(angle, slip) for slip in FILMED_SLIPS]
     return [(float(x), 0.0) for x in STEER_ANGLES] + [(angle, slip) for slip in SLIPS]
 
 
@@ -88,6 +101,7 @@ def theory(*, load, cornering, longitudinal, mu, trail, angle):
 def measure(build, terms, *, load, cornering, longitudinal, mu, trail, relaxation, angle, v) -> Measured:
     """Measure forces after sixty relaxation lengths, of all wheels at once."""
     run = simulate(build(), 60 * relaxation / v, rtol=1e-11, output=61, **terms)
+    film = simulate(build(few=1), 60 * relaxation / v, rtol=1e-11, output=61, **terms)
     loads = (run.force(f"tyre {k}") for k in range(len(wheels(angle))))
     F = np.array([(x.longitudinal[-1], x.lateral[-1], x.aligning[-1]) for x in loads if isinstance(x, TyreLoad)])
     free, driven = F[: len(STEER_ANGLES)], F[len(STEER_ANGLES) :]
@@ -107,7 +121,7 @@ def measure(build, terms, *, load, cornering, longitudinal, mu, trail, relaxatio
         Curve("force [N]", SLIPS, whole, (slips, np.hypot(along, across)), along="slip, braked < 0 < driven [-]",
               title=f"at {angle:g} deg", name="force", more=[sideways]),
     ]  # fmt: skip
-    return Measured(values, [run], curves)
+    return Measured(values, [film, run], curves)
 
 
 demo = Demo(
@@ -115,8 +129,8 @@ demo = Demo(
     title="Slip of tyres",
     question="Why does a wheel lose its grip sideways when it is driven or braked hard?",
     beats=(
-        Beat(0.0, "The same slip angle, and each wheel driven harder than the one before."),
-        Beat(share(0.5), "What is spent on driving is lost sideways."),
+        Beat(0.0, "All four at 4 degrees of slip: the first rolls freely, each further one is driven harder."),
+        Beat(share(0.5), "484 N sideways where it rolls freely, 59 N where it is driven hardest."),
     ),
     why="Bristles of the tread stick to the road where they come in and are bent by the slip, until they slide at the "
     "rear of the patch. The more slip, the more of the patch slides, and the force bends off to what friction gives. "
@@ -138,7 +152,9 @@ demo = Demo(
         "left_of_it_N": Quantity("side force left when it is driven hard", "N", relative=1e-7),
         "drive_force_N": Quantity("drive force then", "N", relative=1e-7),
     },
-    ablation=Ablation("mu", "where grip has no limit, driving takes little from the side force", {"mu": 90.0}),
+    ablation=Ablation("limit", "where grip has no limit, driving takes little from the side force", {"mu": 90.0}),
     against=Against("angle", 0.5, 15.0, "slip angle [deg]"),
-    show={"follow": "wheel 6", "speed": 0.3, "curves": [("force", "tyre 1"), ("force", "tyre 11")], "traces": []},
+    show={"follow": "carriage 1", "speed": 0.1, "curves": [("force", "tyre 0"), ("force", "tyre 3")], "traces": [],
+          "view": (-60, 35)},
+    ranges={"few": None},
 )  # fmt: skip

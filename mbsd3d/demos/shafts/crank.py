@@ -166,7 +166,7 @@ demo = Demo(
     ablation=Ablation("centripetal", "the share of the crank is missing", values=without_centripetal),
     show={"curves": [("slide", "bore"), ("reaction", "bearing", "bore")], "shown": ["reaction force"]},
     sliders=(
-        Control("rc", -0.5, 1.0, "", "centre of the rod"),
+        Control("rc", -0.5, 1.0, "m", "centre of mass of the crank"),
         Control("L", 1.5, 4.0, "m", "rod"),
         Control("mp", 1.0, 10.0, "kg", "piston"),
     ),

@@ -8,10 +8,10 @@ from ..form import Ablation, Against, Beat, Control, Curve, Demo, Measured, Quan
 from ..moments import share
 
 
-def mechanism(*, A=0.3, C=0.5, omega=300.0, tilt_deg=1.0, span=0.5) -> System:
+def mechanism(*, A=0.3, C=0.5, omega=30.0, tilt_deg=15.0, span=0.5) -> System:
     """Build a disc (A, A, C) [kg m^2] at a tilt on a shaft along z at omega [rad/s], two bearings span [m] apart."""
     tilted = rotation("y", tilt_deg, degrees=True)
-    bar = shapes.Cylinder(0.02, 1.2 * span, at=(0, 0, 0), orientation=rotation("y", -tilt_deg, degrees=True))
+    bar = shapes.Cylinder(0.008, 1.2 * span, at=(0, 0, 0), orientation=rotation("y", -tilt_deg, degrees=True))
     wheel = Body("wheel", 20.0, (A, A, C), orientation=tilted, omega=(0, 0, omega), shape=(shapes.Disc(0.2, 0.05), bar))
     joints = [
         Spherical(GROUND, wheel, at=(0, 0, -span / 2), name="lower bearing"),
@@ -68,17 +68,17 @@ demo = Demo(
         "nothing shakes, as nothing shakes for A = C or without the tilt",
         values=lambda: {"bearing_force_N": 0.0},
     ),  # fmt: skip
-    against=Against("tilt_deg", 0.0, 5.0, "tilt [deg]"),
+    against=Against("tilt_deg", 0.0, 45.0, "tilt [deg]"),
     show={
         "curves": [("reaction", "upper bearing")],
         "shown": ["reaction force", "angular momentum"],
         "traces": [],
-        "speed": 0.01,
+        "speed": 0.1,
     },  # fmt: skip
     ranges={"A": (0.28, 0.34), "C": (0.43, 0.55)},  # C < 2 A, as of any body,
     sliders=(
-        Control("tilt_deg", 0.1, 3.0, "deg", "tilt of the disc"),
-        Control("omega", 100.0, 600.0, "rad/s", "speed"),
+        Control("tilt_deg", 1.0, 45.0, "deg", "tilt of the disc"),
+        Control("omega", 10.0, 60.0, "rad/s", "speed"),
     ),
     attempt="turn it twice as fast: the bearings carry four times as much.",
 )

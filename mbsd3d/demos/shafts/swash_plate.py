@@ -78,7 +78,7 @@ demo = Demo(
     title="The swash plate",
     question="How does a slanted disc turn a shaft into the stroke of a pump?",
     beats=(
-        Beat(0.0, "A slanted disc turns."),
+        Beat(0.0, "A drum turns over a disc that stands aslant."),
         Beat(share(0.5), "The first piston is 32 mm in: its whole stroke."),
         Beat(share(1.0), "Out again, by a pure sine."),
     ),
@@ -101,7 +101,7 @@ demo = Demo(
     },
     ablation=Ablation("tilt", "on an upright plate nothing moves", {"tilt_deg": 0.0}),
     against=Against("tilt_deg", 0.0, 30.0, "tilt [deg]"),
-    show={"curves": [("effort", "motor")], "traces": []},
+    show={"curves": [("slide", "bore 1")], "traces": []},
     sliders=(Control("tilt_deg", 0.0, 30.0, "deg", "tilt of the disc"),),
     attempt="set the disc upright: the shaft turns and nothing is pumped.",
 )

@@ -122,7 +122,10 @@ function makeCurve(curve, lines, times, colours, scale, seek, index) {
     if (Number.isFinite(v)) (low = Math.min(low, v)), (high = Math.max(high, v));
   }
   if (low > high) (low = -1), (high = 1);
-  if (high - low <= 1e-9 * scale || high === low) (low -= 0.05 * scale || 1), (high += 0.05 * scale || 1);
+  if (high - low <= 1e-9 * scale || high === low) {
+    const size = Math.max(Math.abs(low), Math.abs(high)), room = size > 1e-6 * scale ? 0.05 * size : 1; // nothing: -1 to 1
+    (low -= room), (high += room);
+  }
   const air = 0.06 * (high - low);
   (low -= air), (high += air);
   const first = times.first, last = times.first + times.step * (times.count - 1);

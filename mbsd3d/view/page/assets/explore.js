@@ -2,6 +2,7 @@
 // Solved frames come in slices; later ones are not shown before they are there.
 
 const TERM_TEXTS = {gyroscopic: "gyroscopic term w \u00d7 I w", centripetal: "centripetal term m w \u00d7 (w \u00d7 s)", gamma: "right side \u03b3 of the joints"};
+const ROUNDING = 1e-12; // [1] of the first value: a sum of polynomials that is less is 0
 
 // Chebyshev polynomials of a place from -1 to 1, and the sums of their products (`view/explore/sliders.py`).
 const placeOn = ({low, high, logarithmic}, value) => {
@@ -231,10 +232,11 @@ function makeExplorer(what, recorded, page) {
     if (!what.theory || omitted.size) return [];
     const polynomials = polynomialsAt(what.sliders, values), done = !main || main.run.next === frames.length;
     return what.theory.lines.map(({label, unit, start, reading, terms}) => {
-      const known = terms.length && apart() ? sumOf(terms, polynomials) : start;
+      const found = terms.length && apart() ? sumOf(terms, polynomials) : start;
+      const known = Math.abs(found) < ROUNDING * Math.abs(start) ? 0 : found;
       const own = done && reading ? foundIn((main ? main.made : recorded).lines, reading, frames) : NaN;
       const beside = Number.isFinite(own) ? `; here ${valueText(own)}, theory differs by ${valueText(Math.abs(own - known))}` : "";
-      return element("li", {textContent: `${label}, by theory ${valueText(known)} ${unit}${beside}`});
+      return element("li", {textContent: `${label}, by theory ${valueText(known)}${unit === "-" ? "" : ` ${unit}`}${beside}`});
     });
   }
   function reset() {
