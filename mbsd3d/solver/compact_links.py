@@ -21,7 +21,7 @@ from .articulated import (
     start_loops,
     take_out_of_loops,
 )
-from .compact_joints import ACCELERATIONS, NOTHING, SPEEDS, hold, joint_rows, prescribed, set_multipliers
+from .compact_joints import ACCELERATIONS, NOTHING, SPEEDS, hold, joint_rows, largest_gap, prescribed, set_multipliers
 from .loop_rows import factor_loops, note_gap, solve_loops
 from .spatial_inertia import along6, dot6, less_outer
 
@@ -324,7 +324,7 @@ def go_down(m, d, s, asked, anew):
     if closed:
         ask_loops(m, d, s, asked)
         if anew == 1:
-            note_gap(m, d, s)
+            note_gap(m, d, s, largest_gap(m, d, s).real)
         for i in range(s.compact.shape[0] if anew == 1 else 0):
             start_loops(d, s, s.compact[i])
     for i in range(s.compact.shape[0]):

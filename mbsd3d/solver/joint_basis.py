@@ -12,9 +12,10 @@ from ..compiler.decorators import fused_kernel, kernel
 from ..kernels.vectors import add, cross, dot, pair, put6, scale
 from .spatial_inertia import along6, dot6
 
-ROW_INDEPENDENCE_MIN = 0.05  # [1] of a row: least part left, without the rows before it, for a link to take the row
+# [1] of a row: least part left, without the rows before it, for a link to take the row at once, and to take it at all
+ROW_PREFERRED_MIN, ROW_INDEPENDENCE_MIN = 0.2, 0.05
 BLOCK_PIVOT_MIN = 0.01  # [1] of a row: part left below which L is not inverted as a block any more
-ROW_DEPENDENCE_MAX = 1e-5  # [1] of a row: part left, without the rows before it, of a row that depends on them
+ROW_DEPENDENCE_MAX = 0.03  # [1] of a row: part left, without the rows before it, at which other rows are due
 
 
 @fused_kernel
@@ -201,10 +202,16 @@ def choose_blocks(d, s):
 
 @kernel
 def choose_joint_rows(m, d, joint, first, Q, chosen):
-    """Set chosen[j] = 1 for rows of each link that are well independent of those before; Q (6, 6) is work space."""
+    """Set chosen[j] = 1 for rows of each link that are well independent of those before; Q (6, 6) is work space.
+
+    A second pass takes what is less so, where the first one left a direction open.
+    """
     for i in range(first.shape[0] - 1):
-        count = 0
-        for j in range(first[i], first[i + 1]):
+        count, rows = 0, first[i + 1] - first[i]
+        for each in range(2 * rows):
+            j, least = first[i] + each % rows, ROW_PREFERRED_MIN if each < rows else ROW_INDEPENDENCE_MIN
+            if chosen[j] == 1:
+                continue
             linear, angular = row_of_link(d, joint, j)
             v = linear, scale(1.0 / m.length, angular)
             before = dot6(v, v)
@@ -212,7 +219,7 @@ def choose_joint_rows(m, d, joint, first, Q, chosen):
                 q = pair(Q[k])
                 v = along6(v, -dot6(q, v), q)
             rest = dot6(v, v)
-            if count < 6 and rest > ROW_INDEPENDENCE_MIN**2 * before:
+            if count < 6 and rest > least**2 * before:
                 size = 1.0 / np.sqrt(rest)
                 put6(Q[count], scale(size, v[0]), scale(size, v[1]))
                 chosen[j] = 1

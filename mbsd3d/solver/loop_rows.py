@@ -47,9 +47,22 @@ def assemble_loops(s):
 
 
 @inner_kernel
-def note_gap(m, d, s):
-    """Record how far the loop rows are off c = 0 where they are factored: in a stage of a step they may be."""
-    s.state.gap = 0.0
+def gap_of_links(m, d, s):
+    """Return the largest scaled |c| of the rows of the links."""
+    largest = 0.0
+    for i in range(s.joint.shape[0]):
+        k = s.joint[i].row
+        largest = max(largest, abs(d.row[k].c.real) * m.row[k].scale)
+    return largest
+
+
+@inner_kernel
+def note_gap(m, d, s, of_links):
+    """Record how far the rows are off c = 0 where loop rows are factored, as they may be in a stage of a step.
+
+    ``of_links``: as far as the gap of the rows of the links is known.
+    """
+    s.state.gap = of_links
     for i in range(s.loop.shape[0]):
         k = s.loop[i].row
         s.state.gap = max(s.state.gap, abs(d.row[k].c.real) * m.row[k].scale)
@@ -101,15 +114,19 @@ def pivot_of(s, i):
     L, row = s.skyline[1], s.loop[i]
     at = s.loop[row.at]
     diagonal, place = s.skyline[0][at.line + row.at].real, row.line + i
-    gaping = at.idle * GAPING_ROW_FACTOR / PROXIMAL_FACTOR * s.state.gap**2
-    if diagonal < max(IDLE_ROW_DIAGONAL_MAX, gaping) * at.mu:
+    gaping = GAPING_ROW_FACTOR / PROXIMAL_FACTOR * s.state.gap**2
+    if diagonal < max(IDLE_ROW_DIAGONAL_MAX, at.idle * gaping) * at.mu:
         L[place] *= 0.0  # so its multiplier is zero, and it is not seen by the rows after it
         return 0.0
     pivot, floor = L[place] + at.mu, at.mu + PIVOT_ROUNDING * diagonal
     if not pivot.real >= floor:  # rounding: the row repeats others
         pivot = pivot * 0.0 + floor
     share = pivot.real / at.mu
-    repeats = s.state.soft == 0 and 0.0 < row.most < REDUNDANT_PIVOT_MAX and share < REDUNDANT_PIVOT_MAX
+    repeats = (
+        s.state.soft == 0
+        and max(row.most, share) < REDUNDANT_PIVOT_MAX
+        and (row.most > 0.0 or share < 1.0 + gaping)  # one that has yielded nothing may begin to, from a singular pose
+    )
     L[place] = 0.0 * pivot if repeats else 1.0 / np.sqrt(pivot)
     return share
 

@@ -11,7 +11,7 @@ from ..compiler.decorators import allocating_kernel, inner_kernel, kernel
 from ..compiler.late import late
 from ..kernels.vectors import add, add_scaled, mat, pair, put, put6, rotate, rotate_back, sub, vec
 from .articulated import body_inertia, factor_links, load_links, move_links
-from .loop_rows import PROXIMAL_FACTOR, factor_loops, note_gap, solve_loops
+from .loop_rows import PROXIMAL_FACTOR, factor_loops, gap_of_links, note_gap, solve_loops
 from .spatial_inertia import times
 
 SOLVED, NOT_FINITE = 0, 1
@@ -27,7 +27,7 @@ def factor(m, d, s):
         return
     factor_links(m, d, s)
     if s.state.dense == 0 and s.loop.shape[0] > 0:
-        note_gap(m, d, s)
+        note_gap(m, d, s, gap_of_links(m, d, s))
         factor_loops(s)
 
 
