@@ -80,7 +80,7 @@ def balance_checks(solution: RunResult, limit: float, equations_met: bool) -> li
     if solution.record.kinematic:
         return []  # no ODE, so nothing was integrated along; the Newton-Euler residuals are the check
     whole, record, inertial = since_start(solution), solution.record, "an inertial term is missing"
-    scale, rounding = scales_of(whole), rounding_of(record)
+    scale, rounding = scales_of(whole, scales_of(solution).least), rounding_of(record)
     kinds = (
         (scale.energy, DRIFT_LIMIT_MAX, energy_meaning(record.method)),
         (scale.momentum, QUADRATURE, inertial),

@@ -80,10 +80,11 @@ class Scales:
     speed: float  # m/s, absolute
 
 
-def scales_of(solution: RunResult) -> Scales:
+def scales_of(solution: RunResult, known: float | None = None) -> Scales:
     """Return sizes from the run itself, with floors from gravity, forces in balance and the speed that all share.
 
-    So a mechanism at rest has scales too. A piece between two events has the scales of the whole run.
+    So a mechanism at rest has scales too. A piece between two events has the scales of the whole run. ``known``: the
+    least acceleration by the samples, where the start stands before them and forces are not known.
     """
     if "scales" in solution.derived:
         return solution.derived["scales"]
@@ -93,8 +94,8 @@ def scales_of(solution: RunResult) -> Scales:
     unseen = UNSEEN_SHARE * carried
     speed = max(about.fastest, length * spin, solution.record.speed, unseen)  # samples may all be of a machine at rest
     mass, span = system.total_mass() or 1.0, float(solution.t[-1] - solution.start.t) if solution.t.size else 0.0
-    moved, least = longest(arrays["acceleration"][..., :3]), max(g, length * spin * spin)
-    if max(moved, least) * span**2 < UNMOVED_SHARE * length:
+    moved, least = longest(arrays["acceleration"][..., :3]), max(g, length * spin * spin, known or 0.0)
+    if known is None and max(moved, least) * span**2 < UNMOVED_SHARE * length:
         least = max(least, UNSEEN_SHARE * largest_force(solution) / mass, unseen * unseen / length)
     a = max(moved, least) or 1.0
     momentum = mass * max(speed, 1e-3 * np.sqrt(a * length))
