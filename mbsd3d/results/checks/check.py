@@ -17,6 +17,8 @@ PASSED, GAP_LIMIT_MIN, MAY_TEAR, MAY_MISS = 1e-4, 1e-10, 1e-8, 1e-5
 # singular positions; three times the worst of 420 runs of four-bars with windows, each over some twenty of them.
 ROUNDED, MOST_ROUNDED, REGULAR = 3e-12, 5e-7, 1e-9
 UNITS = 4.0  # of the last place of numbers, times the root of the steps: what rounding leaves of their difference
+# Of the speed an observer sees, and of its square over the length: at 1e-8, the limit of the rows, some fifty roundings.
+UNKNOWN = 1e-6
 LOCAL = 10.0  # times rtol a step: a hundred times what it may err
 
 
@@ -60,7 +62,8 @@ class Scales:
 
     They are the same for every observer: velocities count relative to each other and to their mean, positions from the
     centre of mass, and vectors by their Euclidean norm. ``reach`` and ``speed`` are as this observer sees them; they
-    set the size of rounding.
+    set the size of rounding, which is all that a body has of accelerations where it moves on at constant speed: below
+    `UNKNOWN` of what velocities of this size may produce, nothing sets a scale.
     """
 
     rate: float  # 1/s
@@ -83,8 +86,9 @@ def scales_of(solution: RunResult) -> Scales:
         return solution.derived["scales"]
     arrays, system, length = solution.arrays, solution.system, solution.compiled.model.length
     about, spin, g = solution.about_centre, longest(arrays["v"][..., 3:]), float(np.linalg.norm(system.gravity))
-    speed = max(about.fastest, length * spin, solution.record.speed)  # samples may all be of a machine at rest
-    a = max(longest(arrays["acceleration"][..., :3]), g, length * spin * spin) or 1.0
+    seen = longest(arrays["v"][..., :3]) + length * spin
+    speed = max(about.fastest, length * spin, solution.record.speed, UNKNOWN * seen)  # samples may all be at rest
+    a = max(longest(arrays["acceleration"][..., :3]), g, length * spin * spin, UNKNOWN * seen * seen / length) or 1.0
     mass = system.total_mass() or 1.0
     momentum = mass * max(speed, 1e-3 * np.sqrt(a * length))
     speed = max(speed, np.sqrt(1e-3 * a * length))
@@ -100,7 +104,7 @@ def scales_of(solution: RunResult) -> Scales:
         angular_momentum=momentum * (length + about.farthest),
         energy=max(mass * speed * speed, stored),
         reach=longest(arrays["q"][..., :3]) + length,
-        speed=longest(arrays["v"][..., :3]) + length * spin,
+        speed=seen,
     )
 
 
