@@ -17,7 +17,7 @@ PASSED, GAP_LIMIT_MIN, MAY_TEAR, MAY_MISS = 1e-4, 1e-10, 1e-8, 1e-5
 # singular positions; three times the worst of 420 runs of four-bars with windows, each over some twenty of them.
 ROUNDED, MOST_ROUNDED, REGULAR = 3e-12, 5e-7, 1e-9
 UNITS = 4.0  # of the last place of numbers, times the root of the steps: what rounding leaves of their difference
-# Of the speed an observer sees, and of its square over the length: at 1e-8, the limit of the rows, some fifty roundings.
+# Of the speed an observer sees, and of its square over the length: at 1e-8, the limit of rows, some fifty roundings.
 UNKNOWN = 1e-6
 LOCAL = 10.0  # times rtol a step: a hundred times what it may err
 
