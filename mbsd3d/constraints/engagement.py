@@ -8,7 +8,7 @@ over the rows J of all joints; L are the impulses of the multipliers. u is the m
 kinetic energy, so momentum is kept and energy is lost. Where rows are redundant, L has the least norm.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Generic, NamedTuple, TypeVar
 
@@ -20,7 +20,7 @@ from ..base.errors import AssemblyError, InputError
 from ..base.rotations import conjugate, matrix, multiply
 from ..base.style import html_table
 from ..equations.at_state import joint_point, load_state, worst_joint
-from ..equations.compiled import Compiled, compile_system
+from ..equations.compiled import Compiled, compile_system, first_modes, holders_of, modes_at
 from ..equations.dense_solvers import mass_matrix_of, reflected_rows
 from ..equations.jacobian import BlockRows, block_rows, displacement_units, scaled
 from ..kernels import kinds
@@ -33,7 +33,7 @@ from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
-from ..mechanism.switching import is_switching
+from ..mechanism.switching import Mode, is_switching
 from .least_squares import SMALL_SYSTEM_BODIES_MAX, Matrix, deficient, least
 from .poses.pose_equations import CLOSED_GAP_MAX, gap_size
 from .rank import redundant_combinations
@@ -103,8 +103,8 @@ def engage(system: M, joint: Joint, state: State) -> Engagement[M]:
     compiled, data = loaded(system, state)
     made = joint_at(compiled, data, joint, state)
     new = with_joints(system, (*system.joints, made))
-    after = compile_system(new)
-    pose = replace(state, coordinates=carried_coordinates(compiled, data, after), moved={}, notes=())
+    after = compile_system(new, modes=joint_modes(new, carried_modes(system, state, new)))
+    pose = carried(state, compiled, data, after)
     data = after.data()
     load_state(after, data, pose)
     check_closed(after, data, new.name(made), state.t)
@@ -135,8 +135,27 @@ def release(system: M, joint: Joint | str, state: State) -> Engagement[M]:
             )
     compiled, data = loaded(system, state)
     new = with_joints(system, [other for other in system.joints if other is not gone])
-    pose = replace(state, coordinates=carried_coordinates(compiled, data, compile_system(new)), moved={}, notes=())
+    pose = carried(state, compiled, data, compile_system(new))
     return Engagement(new, None, pose, lost=0.0, work=0.0)
+
+
+def carried(state: State, before: Compiled, data: Data, after: Compiled) -> State:
+    """Return a state as that of another system with the same parts: what they count and which of them hold."""
+    old, new = before.system, after.system
+    modes, coordinates = carried_modes(old, state, new), carried_coordinates(before, data, after)
+    return replace(state, coordinates=coordinates, modes=modes, moved={}, notes=())
+
+
+def carried_modes(old: Mechanism, state: State, new: Mechanism) -> dict[str, Mode]:
+    """Return which parts hold, by their names in another system with these parts."""
+    stays = [x for x in holders_of(new) if x in holders_of(old) and old.name(x) in state.modes]
+    return {new.name(x): Mode(*state.modes[old.name(x)]) for x in stays}
+
+
+def joint_modes(system: Mechanism, modes: Mapping[str, Mode]) -> dict[str, Mode]:
+    """Return the modes with which a system takes an impact: joints as they hold, and what yields or opens as built."""
+    joints = {system.name(joint) for joint in system.joints}
+    return first_modes(system) | {name: mode for name, mode in modes.items() if name in joints}
 
 
 def with_joints(system: M, joints: Sequence[Joint]) -> M:
@@ -152,9 +171,11 @@ def check_engaging(system: Mechanism, joint: Joint) -> None:
         raise InputError(f"engage: {joint!r} is not a joint; give a joint that is not in the system")
     what = f"engage: {type(joint).__name__} '{joint.name or ''}'".replace(" ''", "")
     if joint in system.joints:
-        raise InputError(f"{what} is in the system already; give a joint that is not")
+        raise InputError(f"{what} is in the system already; give a joint that is not, or release this one first")
     if isinstance(joint, Driver):
         raise InputError(f"{what} is a driver, which moves by its signal at any time; engage a joint instead")
+    if is_switching(joint):
+        raise InputError(f"{what} switches by itself, which it would not once engaged by hand; engage the joint in it")
     for body in joint.bodies():
         if body is not GROUND and body not in system.bodies:
             raise InputError(f"{what}: body '{body.name}' is not in the system; give joints between its bodies")
@@ -162,7 +183,8 @@ def check_engaging(system: Mechanism, joint: Joint) -> None:
 
 def loaded(system: Mechanism, state: State) -> tuple[Compiled, Data]:
     """Return the tables of a system, and its work space at a state."""
-    compiled = compile_system(system)
+    modes = joint_modes(system, modes_at(system, state)) if isinstance(state, State) else {}
+    compiled = compile_system(system, modes=modes)
     data = compiled.data()
     load_state(compiled, data, state)
     return compiled, data

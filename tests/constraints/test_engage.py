@@ -7,6 +7,7 @@ from mbsd3d import (
     GROUND,
     AngleDriver,
     Body,
+    Breaks,
     Cylindrical,
     Distance,
     Fixed,
@@ -19,9 +20,11 @@ from mbsd3d import (
     Sine,
     Spherical,
     State,
+    Switched,
     System,
     TorsionSpring,
     Universal,
+    measures,
     rotation,
     simulate,
 )  # fmt: skip
@@ -244,6 +247,45 @@ def test_drivers_work_in_the_impact():
     assert simulate(meshed.system, 0.5, state=meshed.state).certificate.passed
 
 
+def test_a_broken_pin_is_released_and_mended_by_hand():
+    """The other pin, without a name as the first, stays broken or whole as it was."""
+    axis, bodies = (0.2, 1.0, 0.1), [Body(name, 2.0, (0.05, 0.06, 0.07), com=(0.5, 0.1, 0.2)) for name in ("a", "b")]
+    first, other = (Breaks(Spherical(GROUND, bodies[k], at=(0, 0, 0)), force=f) for k, f in enumerate((1e3, 30.0)))
+    system = System(bodies, [first, other])
+    run = simulate(system, 1.0)
+    assert [event.what for event in run.events] == [f"'{system.name(other)}' breaks"]
+    with pytest.raises(ValueError, match="release this one first"):
+        system.engage(other, run.final)
+    for gone, stays in ((first, other), (other, first)):
+        freed = system.release(gone, run.final)
+        kept = freed.state.modes[freed.system.name(stays)]
+        assert kept == run.final.modes[system.name(stays)]
+        assert len(freed.state.modes) == 1
+        body = gone.bodies()[1]
+        mended = freed.system.engage(Revolute(GROUND, body, at=(0, 0, 0), axis=axis, name="new"), freed.state)
+        after = simulate(mended.system, 1.5, state=mended.state)
+        assert after.certificate.passed, str(after.certificate)
+
+
+def test_a_latch_that_has_engaged_in_a_run_takes_part_in_an_impact_by_hand():
+    """Two wheels that a `Switched` has joined turn as one when a third is engaged; momentum is kept."""
+    axis, inertias = np.array([0.2, 0.4, 1.0]), (0.3, 0.2, 0.5)
+    axis /= np.linalg.norm(axis)
+    wheels = [Body(name, 1.0, (I, I, I)) for name, I in zip("abc", inertias, strict=True)]
+    hinges = [Revolute(GROUND, wheel, at=(0, 0, 0), axis=axis, name=f"hinge {wheel.name}") for wheel in wheels]
+    dog = Switched(Gear(hinges[0], hinges[1], ratio=1.0), engage=measures.angle(hinges[0]) > 1.0, name="dog")
+    system = System(wheels, [*hinges, dog])
+    run = simulate(system, 1.0, state=system.assemble(rates={hinges[0]: 2.0}))
+    assert run.final.modes["dog"].name == "engaged"
+    met = system.engage(Gear(hinges[1], hinges[2], ratio=1.0, name="third"), run.final)
+    rates = met.state.v.reshape(3, 6)[:, 3:] @ axis
+    assert np.allclose(rates, 0.3 * 2.0 / 1.0, rtol=1e-12, atol=0.0)
+    assert met.lost == pytest.approx(0.5 * 0.5 * (0.3 * 2.0 / 0.5) ** 2 - 0.5 * 1.0 * 0.6**2, rel=1e-12)
+    after = simulate(met.system, 2.0, state=met.state)
+    assert after.certificate.passed, str(after.certificate)
+    assert not after.events
+
+
 def test_what_cannot_engage_is_refused():
     system, state, _ = double_pendulum(0.7, -0.2, 2.0, -3.0)
     upper, lower = system.bodies
@@ -252,6 +294,7 @@ def test_what_cannot_engage_is_refused():
     for joint, text in (
         (elbow, "in the system already"), (AngleDriver(elbow, 0.0), "is a driver"), ("elbow", "is not a joint"),
         (Fixed(upper, other, at=(0, 0, 0)), "body 'other' is not in the system"),
+        (Breaks(Fixed(upper, lower, at=(0, 0, 0)), force=1.0, name="bolt"), "'bolt' switches by itself.*joint in it"),
     ):  # fmt: skip
         with pytest.raises(ValueError, match=text):
             system.engage(joint, state)

@@ -32,7 +32,9 @@ from mbsd3d import (
     GeneralizedAlpha,
     JointFriction,
     Kinematic,
+    Prismatic,
     Pulse,
+    RadauIIA,
     Ramp,
     Revolute,
     Spherical,
@@ -226,6 +228,17 @@ def test_without_gamma_and_projection_the_joints_come_apart(mechanism):
     assert {"joint gaps", "joint velocities", "acceleration rows"} <= failed(solution)
     assert solution.drift().position.max() > 0.1
     assert "joints drift apart" in " ".join(solution.certificate.failures)
+
+
+@pytest.mark.parametrize("method", [DOP853(), RK4(0.01), GeneralizedAlpha(0.01), RadauIIA()])
+@pytest.mark.parametrize("speed", [1e-3, 2.0, 300.0])
+def test_a_slide_at_constant_speed_in_two_guides_passes(method, speed):
+    """Its accelerations are rounding of its velocity, which is no scale for the rows that hold them."""
+    car, axis = Body("car", 2.0, (0.1, 0.2, 0.3), com=(0.1, 0.2, 0.3)), np.array([1.0, 2.0, -0.5])
+    guides = [Prismatic(GROUND, car, at=at, axis=axis, name=f"guide {at}") for at in ((0, 0, 0), (0, 0.5, 0.7))]
+    system = System([car], guides, gravity=(0, 0, 0))
+    solution = simulate(system, 2.0, state=system.assemble(rates={guides[0]: speed}), method=method)
+    assert solution.certificate.passed, str(solution.certificate)
 
 
 def test_a_free_body_has_no_rows_to_miss():
