@@ -166,6 +166,7 @@ class System(Drawable):
         near : State to start from; None = the reference pose, at rest
             Its motion continues: joints keep their rates, changed as little as joints, drivers and ``rates`` require,
             in the sense of kinetic energy. A velocity given to a body is met or refused as long as ``near`` has it.
+            Joints that have engaged or broken there stay so.
         t : time at which drivers are read [s]
 
         Raises

@@ -9,7 +9,7 @@ from ..base.checks import number, short_repr
 from ..base.concurrency import on_one_thread
 from ..base.errors import AssemblyError, InputError
 from ..equations.at_state import coordinate_row, driven_coordinates, load_state, worst_joint
-from ..equations.compiled import Compiled, compile_system, initial_states, tables_of
+from ..equations.compiled import Compiled, compile_system, initial_states, modes_at, tables_of
 from ..kernels.layout import Data
 from ..mechanism.bodies import Body
 from ..mechanism.couplings import GearMesh
@@ -20,6 +20,7 @@ from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from .conflicting_drivers import find_contradiction, rivals
 from .elimination import loop_weights
+from .engagement import joint_modes, modes_without_locks
 from .poses.closing import Found, ambiguities, close_pose
 from .poses.pose_equations import CLOSED_GAP_MAX, displacements, gap_size, newton
 from .velocities import with_velocities
@@ -87,7 +88,10 @@ def assemble(
 ) -> State:
     """See `System.assemble`."""
     rates, measures = mapping(rates, "rates"), mapping(measures, "measures")
-    compiled = compile_system(system, probes_of_poses(system, measures))
+    modes = modes_without_locks(system, modes_at(system, near)) if near is not None and near.modes else {}
+    compiled = compile_system(
+        system, probes_of_poses(system, measures), modes=joint_modes(system, modes) if modes else None
+    )
     asked = asked_coordinates(compiled, mapping(angles, "angles"), mapping(slides, "slides"))
     targets = [(i, value) for _, i, value in asked]
     goals = [number(value, f"assemble: {probe.label}") for probe, value in measures.items()]
@@ -108,7 +112,7 @@ def assemble(
     moving = with_velocities(compiled, data, closed, rates, near=near)
     own = tables_of(system).model.coordinate.size  # others belong to measures that only this call knows
     moved = moved_report(system, pose, closed)
-    return replace(moving, coordinates=found.equations.values()[:own], moved=moved, notes=notes)
+    return replace(moving, coordinates=found.equations.values()[:own], modes=modes, moved=moved, notes=notes)
 
 
 def probes_of_poses(system: Mechanism, measures: Mapping) -> tuple[Measure, ...]:

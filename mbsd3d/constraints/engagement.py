@@ -31,6 +31,7 @@ from ..mechanism.drivers import Driver
 from ..mechanism.engaged import Engaged
 from ..mechanism.force_element import ForceElement
 from ..mechanism.joints import Joint
+from ..mechanism.lock import Lock
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.state import State
 from ..mechanism.switching import Mode, is_switching
@@ -109,9 +110,8 @@ def engage(system: M, joint: Joint, state: State) -> Engagement[M]:
     load_state(after, data, pose)
     check_closed(after, data, new.name(made), state.t)
     struck = strike(after, data, pose)
-    return Engagement(
-        new, made, replace(pose, v=struck.v), struck.lost, struck.work, impulses(after, data, struck.rows, struck.lam)
-    )
+    moving = replace(pose, v=struck.v, modes=modes_without_locks(new, pose.modes))
+    return Engagement(new, made, moving, struck.lost, struck.work, impulses(after, data, struck.rows, struck.lam))
 
 
 def check_closed(compiled: Compiled, data: Data, name: str, t: float) -> None:
@@ -156,6 +156,13 @@ def joint_modes(system: Mechanism, modes: Mapping[str, Mode]) -> dict[str, Mode]
     """Return the modes with which a system takes an impact: joints as they hold, and what yields or opens as built."""
     joints = {system.name(joint) for joint in system.joints}
     return first_modes(system) | {name: mode for name, mode in modes.items() if name in joints}
+
+
+def modes_without_locks(system: Mechanism, modes: Mapping[str, tuple[str, tuple[float, ...]]]) -> dict[str, Mode]:
+    """Return the modes for other velocities: joints hold as they did, a run finds at its start which locks do."""
+    locks = {system.name(x): x for x in system.forces if isinstance(x, Lock)}
+    given = {name: Mode(*mode) for name, mode in modes.items()}
+    return {name: locks[name].opened(mode) if name in locks else mode for name, mode in given.items()}
 
 
 def with_joints(system: M, joints: Sequence[Joint]) -> M:

@@ -76,14 +76,39 @@ def struck(found: Touching, bounce: np.ndarray) -> tuple[Strike, np.ndarray]:
 
     P are the impulses of the locks, v and v' the rates away from them before and after, e their restitution (k,).
     """
-    before, row, sense = found.rates(found.pose.v), found.row, found.sense
-    one_sided = np.flatnonzero(found.one_sided)
+    before, one_sided = found.rates(found.pose.v), np.flatnonzero(found.one_sided)
     if one_sided.size > TOGETHER_MAX:
         names = ", ".join(f"'{found.compiled.system.name(found.locks[i])}'" for i in one_sided)
         raise IntegrationError(
             f"{one_sided.size} stops are closed at once: {names}", time=found.pose.t,
             advice=f"rigid stops are struck up to {TOGETHER_MAX} at a time; give some of them stiffness=",
         )  # fmt: skip
+    leaving = before > IMPULSE_ROUNDING * np.abs(before).max(initial=0.0)
+    clashes: list[AssemblyError] = []
+    for may_return in (np.zeros(leaving.size, bool), leaving):  # what is thrown back is struck in turn
+        hit = impact_of(found, bounce, one_sided, may_return, clashes)
+        if hit is not None:
+            return hit
+    if clashes:
+        raise clashes[0]
+    raise IntegrationError(
+        "no impulses of the stops fit the impact", time=found.pose.t, advice="give the stops stiffness= instead"
+    )
+
+
+def impact_of(
+    found: Touching,
+    bounce: np.ndarray,
+    one_sided: np.ndarray,
+    may_return: np.ndarray,
+    clashes: list[AssemblyError],
+) -> tuple[Strike, np.ndarray] | None:
+    """Return the impact that fits the law of `struck`, and which locks take part; None if there is none.
+
+    ``may_return`` (k,): locks that may be left with a rate towards them. ``clashes`` gets the errors of locks whose
+    rates contradict each other, as of a stop that throws back and a freewheel.
+    """
+    before, row, sense = found.rates(found.pose.v), found.row, found.sense
     goal = found.data.row["b"].copy()
     goal[row] = -sense * bounce * before
     others = np.ones(goal.size, bool)
@@ -92,16 +117,18 @@ def struck(found: Touching, bounce: np.ndarray) -> tuple[Strike, np.ndarray]:
         for chosen in combinations(one_sided, count):
             active, part = others.copy(), np.isin(np.arange(row.size), chosen)
             active[row[part]] = True
-            hit = strike(found.compiled, found.data, found.pose, active, goal)
+            try:
+                hit = strike(found.compiled, found.data, found.pose, active, goal)
+            except AssemblyError as error:
+                clashes.append(error)
+                continue
             pushes, after = -sense * hit.lam[row], found.rates(hit.v)
             small = IMPULSE_ROUNDING * np.abs(hit.lam).max(initial=0.0)
             slow = IMPULSE_ROUNDING * np.abs(np.concatenate([before, after])).max(initial=0.0)
-            idle = np.array([i for i in one_sided if not part[i]], int)
+            idle = np.array([i for i in one_sided if not part[i] and not may_return[i]], int)
             if (pushes[part] >= -small).all() and (after[idle] + (bounce * before)[idle] >= -slow).all():
                 return hit, part
-    raise IntegrationError(
-        "no impulses of the stops fit the impact", time=found.pose.t, advice="give the stops stiffness= instead"
-    )
+    return None
 
 
 def held_down(found: Touching, hit: Strike, part: np.ndarray, low: np.ndarray) -> Strike:

@@ -8,6 +8,7 @@ from mbsd3d import (
     AngleDriver,
     Body,
     Breaks,
+    Clutch,
     Cylindrical,
     Distance,
     Fixed,
@@ -284,6 +285,43 @@ def test_a_latch_that_has_engaged_in_a_run_takes_part_in_an_impact_by_hand():
     after = simulate(met.system, 2.0, state=met.state)
     assert after.certificate.passed, str(after.certificate)
     assert not after.events
+
+
+def test_a_locked_clutch_slips_at_an_impact_by_hand_and_locks_again():
+    """Its torque is finite: wheels a and c meet alone, and 0.75 * 0.16 / 50 s later all three turn as one."""
+    a, b, c = (Body(name, 1.0, (I, I, I)) for name, I in zip("abc", (0.3, 0.2, 0.5), strict=True))
+    hinges = [
+        Revolute(x, y, at=(0, 0, 0), axis=(1, 2, 3), name=f"to {y.name}") for x, y in ((GROUND, a), (a, b), (GROUND, c))
+    ]
+    clutch = Clutch(hinges[1], torque=50.0, engaged=True, name="clutch")
+    system = System([a, b, c], hinges, [clutch])
+    run = simulate(system, 1.0, state=system.assemble(rates={hinges[0]: 2.0, hinges[1]: -2.0}))
+    assert run.final.modes["clutch"].name == "held"
+    met = system.engage(Gear(hinges[0], hinges[2], ratio=1.0, name="third"), run.final)
+    after = simulate(met.system, 2.0, state=met.state)
+    assert [event.what for event in after.events] == ["'clutch' locks"]
+    assert after.events[0].t == pytest.approx(1.0 + 0.75 * 0.16 / 50.0, rel=1e-9)
+    assert np.allclose([after.rate(hinges[0])[-1], after.rate(hinges[1])[-1]], [0.6, 0.0], rtol=1e-9, atol=1e-12)
+    assert after.certificate.passed, str(after.certificate)
+
+
+def test_assemble_near_a_state_of_a_run_keeps_what_has_engaged_or_broken():
+    a, b = (Body(name, 1.0, (I, I, I)) for name, I in zip("ab", (0.3, 0.2), strict=True))
+    hinges = [Revolute(GROUND, wheel, at=(0, 0, 0), axis=(1, 2, 3), name=f"hinge {wheel.name}") for wheel in (a, b)]
+    dog = Switched(Gear(*hinges, ratio=1.0), engage=measures.angle(hinges[0]) > 1.0, name="dog")
+    system = System([a, b], [*hinges, dog])
+    run = simulate(system, 1.0, state=system.assemble(rates={hinges[0]: 2.0}))
+    near = system.assemble(near=run.final, rates={hinges[0]: 3.0})
+    assert near.modes == run.final.modes
+    after = simulate(system, 2.0, state=near)
+    assert np.allclose([after.rate(hinge)[-1] for hinge in hinges], 3.0, rtol=1e-12, atol=0.0)
+    bob = Body("bob", 2.0, (0.05, 0.06, 0.07), com=(0.5, 0.1, 0.2))
+    pin = Breaks(Spherical(GROUND, bob, at=(0, 0, 0)), force=30.0, name="pin")
+    hung = System([bob], [pin])
+    fallen = simulate(hung, 1.0)
+    again = hung.assemble(near=fallen.final)
+    assert again.modes["pin"].name == "open"
+    assert np.allclose(again.q, fallen.final.q, rtol=0.0, atol=1e-12)
 
 
 def test_what_cannot_engage_is_refused():

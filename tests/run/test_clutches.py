@@ -14,6 +14,7 @@ from mbsd3d import (
     Cylindrical,
     EndStop,
     Freewheel,
+    Gear,
     GeneralizedAlpha,
     Prismatic,
     RadauIIA,
@@ -270,3 +271,19 @@ def test_a_run_may_end_at_an_event_or_a_rounding_beside_it(part, method):
         assert run.certificate.passed and abs(run.t[-1] - end) < 1e-15 and len(run.events) <= 1
         assert simulate(system, at_event + 0.01, method=method, state=run.final).certificate.passed
         end = np.nextafter(end, np.inf)
+
+
+@pytest.mark.parametrize("torque", [0.0, 0.3])
+def test_a_stop_that_throws_a_shaft_back_against_its_freewheel(torque):
+    """The rebound is struck by the pawls in turn: the energy is gone, and the shaft stands."""
+    axis = np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)
+    a, b = (Body(name, 1.0, (I, I, I)) for name, I in (("a", 0.2), ("b", 0.1)))
+    h, k = (Revolute(GROUND, body, at=(0, 0, 0), axis=axis, name=f"hinge {body.name}") for body in (a, b))
+    locks = [EndStop(h, upper=0.5, restitution=0.2, name="stop"), Freewheel(k, name="pawls"), Torque(a, torque * axis)]
+    system = System([a, b], [h, k, Gear(h, k, ratio=1.0)], locks)
+    run = simulate(system, 1.0, state=system.assemble(rates={k: 2.0}))
+    when = 0.25 if torque == 0.0 else -2.0 + np.sqrt(5.0)
+    assert np.allclose([event.t for event in run.events], when, rtol=1e-9, atol=0.0) and len(run.events) == 2
+    assert run.energy().lost[-1] == pytest.approx(0.5 * 0.3 * 4.0 + 0.5 * torque, rel=1e-9)
+    assert np.allclose([run.angle(h)[-1], run.rate(k)[-1]], [0.5, 0.0], rtol=1e-9, atol=1e-12)
+    assert run.certificate.passed, str(run.certificate)
