@@ -69,9 +69,9 @@ CONDITIONS = {
         lambda r, i: r.com("blade")[i, 2] < 0.99 * r.com("blade")[:, 2].min(),
     ),
     "jet_pitch_yaw": (
-        lambda r, i: abs(r.body_axis("jet", (1, 0, 0))[i, 1]) < 1e-9,
-        lambda r, i: r.body_axis("jet", (1, 0, 0))[i, 2] > 0.2,
-        lambda r, i: abs(r.body_axis("jet", (1, 0, 0))[i, 1]) > 0.02,
+        lambda r, i: abs(r.body_axis("aircraft", (1, 0, 0))[i, 1]) < 1e-9,
+        lambda r, i: r.body_axis("aircraft", (1, 0, 0))[i, 2] > 0.2,
+        lambda r, i: abs(r.body_axis("aircraft", (1, 0, 0))[i, 1]) > 0.02,
     ),
     "propeller_shake": (
         lambda r, i: np.linalg.norm(r.reaction("hub").moment[i]) < 1,

@@ -10,23 +10,29 @@ from ..form import Ablation, Against, Beat, Control, Curve, Demo, Measured, Quan
 from ..moments import share
 from ..quadrature import motion, quaternion_rate
 
-JET_SHAPES = (
-    shapes.Capsule(0.7, 12.0, "x", at=(0, 0, 0)),
-    shapes.Box((3.0, 11.0, 0.2), at=(-1.5, 0, 0)),
-    shapes.Box((2.0, 0.15, 2.4), at=(-5.5, 0, -1.5)),
-    shapes.Box((1.6, 5.0, 0.15), at=(-5.5, 0, 0)),
-    shapes.Ellipsoid((1.3, 0.5, 0.5), at=(3.6, 0, -0.6), colour="lightsteelblue"),
+AIRFRAME = (
+    shapes.Capsule(0.42, 4.6, "x", at=(-1.0, 0, 0)),
+    shapes.Box((1.3, 8.0, 0.08), at=(0.4, 0, -0.95)),
+    shapes.Box((1.3, 7.2, 0.08), at=(0.2, 0, 0.45)),
+    shapes.Box((0.1, 0.1, 1.4), at=(0.3, 2.4, -0.25)),
+    shapes.Box((0.1, 0.1, 1.4), at=(0.3, -2.4, -0.25)),
+    shapes.Box((0.9, 0.08, 1.0), at=(-3.5, 0, -0.6)),
+    shapes.Box((0.9, 2.8, 0.08), at=(-3.5, 0, 0)),
+)
+ENGINE = (
+    shapes.Cylinder(0.5, 0.6, "x", at=(1.7, 0, 0)),
+    shapes.Box((0.06, 0.22, 2.5), at=(2.1, 0, 0), colour="sienna"),
 )
 START_AXES = np.diag([1.0, -1.0, -1.0])  # axes of the start in world axes: x ahead, y to the right, z down
 
 
-def mechanism(*, I=(13000.0, 76000.0, 86000.0), J=4.0, Omega=1000.0, M=38000.0) -> System:
+def mechanism(*, I=(700.0, 1000.0, 1500.0), J=6.0, Omega=130.0, M=500.0) -> System:
     """Build an airframe of moments I [kg m^2], engine (J, J/2, J/2) at Omega [rad/s] along its nose x, moment M [N m]
     about y.
     """
-    jet = Body("jet", 15000.0, I, orientation=START_AXES, shape=JET_SHAPES)
+    jet = Body("aircraft", 500.0, I, orientation=START_AXES, shape=AIRFRAME)
     spin: dict[str, Any] = {"orientation": START_AXES, "omega": (Omega, 0, 0)}
-    engine = Body("engine", 500.0, (J, J / 2, J / 2), **spin, shape=shapes.Cylinder(0.5, 3.0, "x"))
+    engine = Body("engine", 60.0, (J, J / 2, J / 2), **spin, shape=ENGINE)
     shaft = Revolute(jet, engine, at=(0, 0, 0), axis=(1, 0, 0), name="shaft")
     speed = SpeedDriver(jet, engine, axis=(1, 0, 0), speed=Omega, name="speed")
     return System([jet, engine], [shaft, speed], [Torque(jet, (0, M, 0), frame="body")], gravity=(0, 0, 0))
@@ -65,30 +71,30 @@ def theory(*, I, J, Omega, M, t):
 def measure(build, terms, *, I, J, Omega, M, t=2.0) -> Measured:
     """Measure yaw rate and angle of the nose to the side after t."""
     run = simulate(build(), t, rtol=1e-13, output=np.linspace(0, t, 201), **terms)
-    side, y = sideways(*(run.rotation("jet")[:, :, 0] @ START_AXES.T).T), euler(run.t, I=I, J=J, Omega=Omega, M=M)
+    side, y = sideways(*(run.rotation("aircraft")[:, :, 0] @ START_AXES.T).T), euler(run.t, I=I, J=J, Omega=Omega, M=M)
     curve = Curve("nose to the side [deg]", run.t, side, (run.t, known_sideways(y[:, :4])))
-    values = {"yaw_rate_rad_s": run.omega_body("jet")[-1, 2], "nose_sideways_deg": side[-1]}
+    values = {"yaw_rate_rad_s": run.omega_body("aircraft")[-1, 2], "nose_sideways_deg": side[-1]}
     return Measured(values, [run], [curve])
 
 
 demo = Demo(
     __name__,
-    title="A jet that raises its nose swings it sideways",
-    question="Why does a jet that raises its nose also swing it sideways?",
+    title="An aircraft that raises its nose swings it sideways",
+    question="Why does a fighter with a rotary engine swing sideways when its pilot pulls up?",
     beats=(
         Beat(0.0, "The pilot pulls: the moment acts upwards only."),
         Beat(share(0.5), "The nose goes up ..."),
         Beat(share(1.0), "... and to the side, where nobody has pushed it."),
     ),
-    why="The engine's rotor carries angular momentum along the nose. Raising the nose turns this arrow, and an arrow "
-    "turns only under a moment at right angles to it: if nothing gives that moment, the whole jet answers by "
-    "yawing. With the engine stopped nothing turns sideways, with the engine reversed the nose goes to the other "
-    "side.",
+    why="A rotary engine turns with its propeller and carries angular momentum along the nose. Raising the nose turns "
+    "this arrow, and an arrow turns only under a moment at right angles to it: if nothing gives that moment, the "
+    "aircraft yaws. With the engine stopped nothing turns sideways, with the engine reversed the nose goes to the "
+    "other side. A jet does the same, by a degree or two: its rotor is light beside its airframe.",
     equation="I w' + w x (I w + h) = M; h = J W along the nose; small angles: r = J W theta / I_z",
     symbols={
         "w": Symbol("turning", "rad/s", curve=(0, 1)),
         "r": Symbol("to the side", "rad/s", curve=(0, 2)),
-        "I": Symbol("moments of the jet", "kg m^2"),
+        "I": Symbol("moments of the aircraft", "kg m^2"),
         "I_z": Symbol("that about its upright axis", "kg m^2", lambda I: I[2]),
         "h": Symbol("angular momentum of the engine", "N m s", lambda J, Omega: J * Omega, arrow="angular momentum"),
         "J": Symbol("moment of the engine", "kg m^2", "J"),
@@ -102,12 +108,12 @@ demo = Demo(
         "nose_sideways_deg": Quantity("nose to the side at the end", "deg"),
     },
     ablation=Ablation("engine", "the engine stands still and the nose goes straight up", {"Omega": 0.0}),
-    against=Against("Omega", -1500.0, 1500.0, "speed of the engine [rad/s]", computed=3),
-    show={"curves": [("omega_body", "jet")], "shown": ["angular momentum"]},
-    ranges={"I": [(12e3, 16e3), (70e3, 80e3), (75e3, 81e3)]},
+    against=Against("Omega", -200.0, 200.0, "speed of the engine [rad/s]", computed=3),
+    show={"curves": [("omega_body", "aircraft")], "shown": ["angular momentum"]},
+    ranges={"I": [(600.0, 800.0), (900.0, 1100.0), (1400.0, 1600.0)]},
     sliders=(
-        Control("Omega", 0.0, 1500.0, "rad/s", "spin of the engine"),
-        Control("M", 5000.0, 60000.0, "N m", "moment"),
+        Control("Omega", 0.0, 200.0, "rad/s", "spin of the engine"),
+        Control("M", 100.0, 600.0, "N m", "moment"),
     ),
     theory_moves=False,
     attempt="stop the engine: pulling up no longer turns the nose aside.",
