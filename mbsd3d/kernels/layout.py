@@ -230,7 +230,8 @@ TREE_STATE = [
     ("soft", int),  # 1: some resist so little at the end of the last step that one sweep does not take mu away again
     ("rank", int),  # independent loop rows, the most at the end of any step: off c = 0 rows that repeat others seem so
     ("pivot", float),  # how far the least of these has fallen, as a share of its largest pivot so far
-    ("gap", float),  # largest |c| of the loop rows at the factorisation at hand, in the model's length or radians
+    ("idle", int),  # 1: some yielded nothing at the end of the last step, or never did: then the gap is asked for
+    ("gap", float),  # largest |c| of the rows at the factorisation at hand, in the model's length or radians
     ("worn", int),  # 1: the rows of a link have become dependent on each other: the tree must be made anew
     ("compact", int),  # 1: state rates and projections by `Tree.compact`
 ]

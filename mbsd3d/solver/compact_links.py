@@ -324,7 +324,7 @@ def go_down(m, d, s, asked, anew):
     if closed:
         ask_loops(m, d, s, asked)
         if anew == 1:
-            note_gap(m, d, s, largest_gap(m, d, s).real)
+            note_gap(m, d, s, largest_gap(m, d, s).real if s.state.idle == 1 else 0.0)
         for i in range(s.compact.shape[0] if anew == 1 else 0):
             start_loops(d, s, s.compact[i])
     for i in range(s.compact.shape[0]):

@@ -63,7 +63,7 @@ def note_gap(m, d, s, of_links):
     ``of_links``: as far as the gap of the rows of the links is known.
     """
     s.state.gap = of_links
-    for i in range(s.loop.shape[0]):
+    for i in range(s.loop.shape[0] if s.state.idle == 1 else 0):
         k = s.loop[i].row
         s.state.gap = max(s.state.gap, abs(d.row[k].c.real) * m.row[k].scale)
 

@@ -102,12 +102,14 @@ def resists(s, i):
 @late_kernel
 def note_independence(s):
     """Record what the factor at a state with c = 0 says of the rows."""
-    s.state.soft, independent = 0, 0
+    s.state.soft, s.state.idle, independent = 0, 0, 0
     clear(s.vector[3])
     for i in range(s.loop.shape[0]):
         row = s.loop[i]
         row.most = max(row.most, row.pivot)
         s.loop[row.at].idle = 1 if row.pivot == 0.0 else 0
+        if row.pivot == 0.0 or row.most == 0.0:
+            s.state.idle = 1
         independent += row.pivot > REDUNDANT_PIVOT_MAX
         if 0.0 < row.pivot < SINGLE_SWEEP_PIVOT_MIN and resists(s, i):
             s.state.soft = 1

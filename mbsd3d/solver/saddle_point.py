@@ -27,7 +27,7 @@ def factor(m, d, s):
         return
     factor_links(m, d, s)
     if s.state.dense == 0 and s.loop.shape[0] > 0:
-        note_gap(m, d, s, gap_of_links(m, d, s))
+        note_gap(m, d, s, gap_of_links(m, d, s) if s.state.idle == 1 else 0.0)
         factor_loops(s)
 
 
