@@ -25,6 +25,7 @@ def test_play_goes_at_the_chosen_speed_and_pause_holds(page):
     # page and log are called once a picture, in any order: they differ by at most the longest picture
     assert abs(model - 0.1 * real) <= 0.1 * np.diff(log[:, 0]).max() + 1e-9 and real > 0.5
     held = page.run("mbsd3d.time")
+    page.run(SETTLED)
     first = scene(page)
     page.page.wait_for_timeout(300)
     assert page.run("mbsd3d.time") == held and differing(first, scene(page)) == 0
