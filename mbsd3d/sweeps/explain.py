@@ -36,6 +36,7 @@ from ..mechanism.shapes.shape import AxisOrLetter
 from ..report.exhibits import inline_svg
 from .experiment import check_parameters
 from .store import run_stamp, stamp
+from .study import Study
 from .sweep import sweep
 
 if TYPE_CHECKING:
@@ -192,10 +193,10 @@ class ExplanationPage(HtmlPage):
 
 
 def explain(
-    build: System | Callable[..., System],
-    measure: Callable[[Any], Any],
+    build: System | Callable[..., System] | Study,
+    measure: Callable[[Any], Any] | None = None,
     *,
-    run: Mapping[str, Any],
+    run: Mapping[str, Any] | None = None,
     parameters: Mapping[str, Any] | None = None,
     percent: float = 1.0,
     executor: Any = None,
@@ -212,8 +213,9 @@ def explain(
 
     Parameters
     ----------
-    build : System or callable
-        A model without functions, or ``build(**parameters)`` that returns one.
+    build : System, callable or Study
+        A model without functions, ``build(**parameters)`` that returns one, or a `Study`: then its measure, run and
+        point x0 stand for what is not given.
     measure : callable
         ``measure(solution)`` returns a number, a 1-D array or a dict of them, as in `sweep`. It finds parts by name.
     run : mapping
@@ -247,6 +249,16 @@ def explain(
     >>> [(x.part, round(x.values["angle"], 3)) for x in found.groups["left out"][:2]]
     [('gravity', 1.217), ('spring', 0.121)]
     """
+    if isinstance(build, Study):
+        make, measure, run, given = opened(build, measure, run, parameters)
+        return explain(
+            make, measure, run=run, parameters=given, percent=percent, executor=executor, ledger=ledger,
+            progress=progress,
+        )  # fmt: skip
+    if measure is None:
+        raise InputError("explain: no measure; give measure(solution), or a Study, which has one")
+    if run is None:
+        raise InputError("explain: no run; give the arguments of simulate, run={'t_end': 2.0}, or a Study that runs")
     for name, value in (("run", run), ("parameters", {} if parameters is None else parameters)):
         if not isinstance(value, Mapping):
             raise InputError(f"explain: {name} {short_repr(value)}; give a mapping of names to values")
@@ -272,6 +284,16 @@ def explain(
     if table_.attrs["stopped_by"] and str(table_["error"].values[0]):
         raise KeyboardInterrupt  # nothing can be told without the model as it is
     return explained(table_, changes, step, run.get("rtol", RTOL))
+
+
+def opened(study: Study, measure: Any, run: Any, parameters: Any) -> tuple[Any, Any, Any, Any]:
+    """Return build, measure, run and parameters of a study, but for those that are given."""
+    if isinstance(parameters, Mapping | None):
+        parameters = {**study.x0, **(parameters or {})}
+    if run is None and study.runs:
+        run = study.experiment.run
+        run = run(**{name: parameters[name] for name in study.x0}) if callable(run) else run
+    return study.experiment.build, measure or study.experiment.measure, run, parameters
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from mbsd3d import (
     SlideDriver,
     Spherical,
     SpringDamper,
+    Study,
     System,
     TorsionSpring,
     errors,
@@ -108,6 +109,23 @@ def test_a_system_is_explained_without_parameters():
     assert value["angle"] == pytest.approx(effect(drive(stiffness=31.5))["angle"], rel=1e-12)
 
 
+def test_a_study_brings_measure_run_and_parameters(found):
+    study = Study(drive, {"stiffness": 30.0, "mass": 2.0}, measure, RUN)
+    of_study = explain(study)
+    assert [(x.part, x.change, x.values) for x in of_study.effects] == [
+        (x.part, x.change, x.values) for x in found.effects
+    ]
+    later = Study(drive, {"mass": 2.0}, measure, lambda mass: {**RUN, "t_end": 0.4 * mass})
+    assert explain(later, parameters={"stiffness": 30.0}).effects[0].values == found.effects[0].values
+    for given, message in (
+        ({"build": Study(drive, {"mass": 2.0}, lambda system: system.total_mass())}, "no run; give .*t_end"),
+        ({"build": drive(), "run": RUN}, "no measure; give"),
+        ({"build": drive(), "measure": measure}, "no run; give"),
+    ):
+        with pytest.raises(errors.InputError, match=message):
+            explain(**given)
+
+
 def test_an_output_that_is_no_number_is_no_effect():
     found = explain(
         drive(), lambda run: np.log(run.angle("hinge")[-1]) if abs(run.system.gravity[0]) else np.nan, run=RUN
@@ -186,7 +204,7 @@ def needs(stiffness, *, mass=2.0):
         (needs, {}, "explain: build does not take the parameters none .*it takes stiffness, mass"),
         (needs, {"parameters": {"stifness": 3.0}}, "explain: build does not take the parameters stifness"),
         (needs, {"parameters": [3.0]}, "explain: parameters .*give a mapping"),
-        (needs, {"parameters": {"stiffness": 3.0}, "run": None}, "explain: run None; give a mapping"),
+        (needs, {"parameters": {"stiffness": 3.0}, "run": None}, "explain: no run; give the arguments"),
         ("model.toml", {}, "explain: build 'model.toml' is not a function"),
     ],
 )
